@@ -1,0 +1,3 @@
+//! encounter: Gong & Pan's paper on ships encountering wave groups, from seeds to figures.
+
+pub mod numerics;

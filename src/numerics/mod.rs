@@ -1,0 +1,6 @@
+//! Mathematics without a ship in it.
+
+pub mod domain;
+pub mod elementary;
+pub mod lanes;
+pub mod sums;
