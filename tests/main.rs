@@ -1,1 +1,3 @@
-//! One test binary.
+//! One test binary: every test is a claim.
+
+mod physics;

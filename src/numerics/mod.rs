@@ -3,4 +3,5 @@
 pub mod domain;
 pub mod elementary;
 pub mod lanes;
+pub mod random;
 pub mod sums;
