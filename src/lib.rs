@@ -1,3 +1,7 @@
 //! encounter: Gong & Pan's paper on ships encountering wave groups, from seeds to figures.
 
+pub mod cli;
+pub mod engine;
 pub mod numerics;
+#[path = "../stages/mod.rs"]
+pub mod stages;

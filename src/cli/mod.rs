@@ -1,0 +1,170 @@
+//! The command line: verbs, options, and what every verb needs. It speaks; it never computes.
+
+pub mod progress;
+pub mod run;
+pub mod show;
+pub mod status;
+pub mod verify;
+
+use std::path::{Path, PathBuf};
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+
+use crate::engine::error::{Error, Result};
+use crate::engine::graph::{Graph, Target};
+use crate::engine::params::ParamsFile;
+use crate::engine::store::Store;
+use crate::stages::{PIPELINE, SHIP};
+
+/// Gong & Pan's ships encountering wave groups: the whole paper from seeds, through a cache.
+#[derive(Debug, Parser)]
+#[command(name = "encounter", version, about, max_term_width = 100)]
+pub struct Cli {
+    #[command(subcommand)]
+    verb: Verb,
+}
+
+#[derive(Debug, Subcommand)]
+enum Verb {
+    /// Make what is missing or outdated, then write figures and tables
+    Run(run::RunArgs),
+    /// Say what a run would do, and the state of each published file
+    Status(status::StatusArgs),
+    /// Print the record and value of one node, piece or published file
+    Show(show::ShowArgs),
+    /// Check the committed lock: against the code, or against a run from nothing
+    Verify(verify::VerifyArgs),
+}
+
+/// Options of every verb.
+#[derive(Debug, Args)]
+pub struct Common {
+    /// The scale: the paper's own, a minute's, or seconds'
+    #[arg(long, value_enum, default_value = "paper")]
+    profile: Profile,
+    /// A parameter file laid over the profile; may be repeated
+    #[arg(long, value_name = "FILE")]
+    overlay: Vec<PathBuf>,
+    /// One parameter, such as sea.S2.bandwidth=0.035; may be repeated
+    #[arg(long, value_name = "KEY=VALUE")]
+    set: Vec<String>,
+    /// The folder of cached outputs [default: artifacts]
+    #[arg(long, value_name = "DIR")]
+    store: Option<PathBuf>,
+    /// The folder of figures [default: figures for the paper profile, else within the store]
+    #[arg(long, value_name = "DIR")]
+    figures: Option<PathBuf>,
+    /// Print one JSON object on standard output
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Profile {
+    Paper,
+    Quick,
+    Tiny,
+}
+
+impl Profile {
+    fn name(self) -> &'static str {
+        match self {
+            Self::Paper => "paper",
+            Self::Quick => "quick",
+            Self::Tiny => "tiny",
+        }
+    }
+}
+
+impl Common {
+    /// The folder that holds `stages/paper.toml`: this one or the nearest above it.
+    fn root() -> Result<PathBuf> {
+        let mut folder = PathBuf::new();
+        for _ in 0..16 {
+            if folder.join("stages/paper.toml").is_file() {
+                return Ok(folder);
+            }
+            folder.push("..");
+        }
+        Err(Error::Usage(
+            "stages/paper.toml: expected in this folder or one above it, found in none; run encounter in its repository"
+                .to_owned(),
+        ))
+    }
+
+    fn params(&self) -> Result<ParamsFile> {
+        let stages = Self::root()?.join("stages");
+        let mut files = vec![stages.join("paper.toml")];
+        if self.profile != Profile::Paper {
+            files.push(stages.join(format!("{}.toml", self.profile.name())));
+        }
+        files.extend(self.overlay.iter().cloned());
+        let files: Vec<&Path> = files.iter().map(PathBuf::as_path).collect();
+        ParamsFile::read(&files, &self.set)
+    }
+
+    fn store_folder(&self) -> Result<PathBuf> {
+        self.store.clone().map_or_else(|| Ok(Self::root()?.join("artifacts")), Ok)
+    }
+
+    fn figures_folder(&self) -> Result<PathBuf> {
+        if let Some(folder) = &self.figures {
+            return Ok(folder.clone());
+        }
+        if self.is_custom() {
+            return Ok(self.store_folder()?.join("figures/custom"));
+        }
+        match self.profile {
+            Profile::Paper => Ok(Self::root()?.join("figures")),
+            other => Ok(self.store_folder()?.join("figures").join(other.name())),
+        }
+    }
+
+    fn lock_file(&self) -> Result<PathBuf> {
+        Ok(self.store_folder()?.join(format!("{}.lock", self.profile.name())))
+    }
+
+    /// Whether parameters differ from those of the profile, so that nothing committed may be touched.
+    fn is_custom(&self) -> bool {
+        !self.overlay.is_empty() || !self.set.is_empty()
+    }
+
+    fn open(&self, targets: &[String]) -> Result<Session> {
+        let params = self.params()?;
+        let targets: Vec<Target> = targets.iter().map(|text| Target::parse(text)).collect();
+        let graph = Graph::new(&PIPELINE, &params, &targets)?;
+        let ships = params.list(SHIP)?;
+        Ok(Session { graph, ships, store: self.store_folder()?, figures: self.figures_folder()? })
+    }
+}
+
+/// What a verb works on.
+struct Session {
+    graph: Graph,
+    ships: Vec<String>,
+    store: PathBuf,
+    figures: PathBuf,
+}
+
+impl Session {
+    fn open_store(&self) -> Result<Store> {
+        Store::open(&self.store)
+    }
+}
+
+fn print_json(value: &serde_json::Value) {
+    println!("{value:#}");
+}
+
+/// Runs the verb.
+///
+/// # Errors
+/// Whatever keeps the verb from doing its work.
+pub fn main(cli: &Cli) -> Result<()> {
+    match &cli.verb {
+        Verb::Run(args) => run::run(args),
+        Verb::Status(args) => status::status(args),
+        Verb::Show(args) => show::show(args),
+        Verb::Verify(args) => verify::verify(args),
+    }
+}

@@ -1,0 +1,173 @@
+//! `encounter run`: make what is missing, then write figures, tables and the lock.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::sync::Mutex;
+use std::time::Instant;
+
+use clap::Args;
+use serde_json::json;
+
+use crate::cli::progress::Progress;
+use crate::cli::{Common, Session, print_json, status};
+use crate::engine::code;
+use crate::engine::error::{Error, Result};
+use crate::engine::event::Event;
+use crate::engine::lock::Lock;
+use crate::engine::publish;
+use crate::engine::run::Run;
+use crate::engine::schedule;
+use crate::engine::store::Store;
+use crate::stages::SHIP;
+
+/// Arguments of `encounter run`.
+#[derive(Debug, Args)]
+pub struct RunArgs {
+    /// Stages, nodes (STAGE/CASE/PIECE) or outputs (table1); all of them by default
+    target: Vec<String>,
+    #[command(flatten)]
+    common: Common,
+    /// Worker threads [default: one per core]
+    #[arg(short, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    j: Option<u16>,
+    /// Only say what would run
+    #[arg(long)]
+    dry_run: bool,
+}
+
+/// What a run did, gathered from its events.
+#[derive(Default)]
+struct Ledger {
+    ran: Vec<(String, usize, f64, u64)>,
+    reused: usize,
+    healed: Vec<String>,
+    failed: Vec<String>,
+    files: Vec<(String, String, bool)>,
+}
+
+/// Runs the verb.
+///
+/// # Errors
+/// A parameter, store or stage that fails.
+pub fn run(args: &RunArgs) -> Result<()> {
+    let session = args.common.open(&args.target)?;
+    if args.dry_run {
+        return status::print(&args.common, &session);
+    }
+    let store = session.open_store()?;
+    let start = Instant::now();
+    let ledger = Mutex::new(Ledger::default());
+    let progress = Progress::new();
+    let listener = |event: &Event| {
+        progress.hear(event);
+        ledger.lock().expect("a listener does not panic").hear(event);
+    };
+    let outcome = execute(args, &session, &store, &listener);
+    progress.finish();
+    let ledger = ledger.into_inner().expect("a listener does not panic");
+    let seconds = start.elapsed().as_secs_f64();
+    if args.common.json {
+        print_json(&ledger.json(seconds));
+    } else if outcome.is_ok() {
+        ledger.print(&session, seconds);
+    }
+    outcome
+}
+
+/// The number of worker threads in force.
+pub(super) fn workers(j: Option<u16>) -> usize {
+    j.map_or_else(|| std::thread::available_parallelism().map_or(1, usize::from), usize::from)
+}
+
+fn execute(
+    args: &RunArgs,
+    session: &Session,
+    store: &Store,
+    listener: &(dyn Fn(&Event) + Sync),
+) -> Result<()> {
+    let run = Run::new(&session.graph, store, listener);
+    schedule::execute(&run, workers(args.j))?;
+    let texts = publish::texts(&run, SHIP, &session.ships)?;
+    publish::publish(&run, &texts, &session.figures)?;
+    if args.target.is_empty() && !args.common.is_custom() {
+        let lock = Lock::of(&run, args.common.profile.name(), code::RUSTC, &texts)?;
+        write_lock(args, &lock)?;
+    }
+    Ok(())
+}
+
+/// Writes the lock, unless only the compiler's name would change.
+fn write_lock(args: &RunArgs, lock: &Lock) -> Result<()> {
+    let path = args.common.lock_file()?;
+    let old = fs::read_to_string(&path).ok().and_then(|text| Lock::parse(&text).ok());
+    let same = |old: &Lock| old.lines == lock.lines && old.seed == lock.seed && old.profile == lock.profile;
+    if old.as_ref().is_some_and(same) {
+        return Ok(());
+    }
+    let temporary = path.with_extension("lock.tmp");
+    fs::write(&temporary, lock.text())
+        .and_then(|()| fs::rename(&temporary, &path))
+        .map_err(|source| Error::Io { action: "write the lock", path, source })
+}
+
+impl Ledger {
+    fn hear(&mut self, event: &Event) {
+        match event {
+            Event::DidRun { node, piece, seconds, bytes } => {
+                self.ran.push((node.clone(), *piece, *seconds, *bytes));
+            }
+            Event::DidReuse { .. } => self.reused += 1,
+            Event::DidHeal { node, piece, why } => self.healed.push(format!("{node}/{piece}: {why}")),
+            Event::DidFail { node, piece, message } => self.failed.push(format!("{node}/{piece}: {message}")),
+            Event::DidPublish { path, id, written } => self.files.push((path.clone(), id.clone(), *written)),
+            Event::DidPlan { .. } | Event::WillRun { .. } => {}
+        }
+    }
+
+    fn json(&self, seconds: f64) -> serde_json::Value {
+        let ran: Vec<_> = self
+            .ran
+            .iter()
+            .map(|(node, piece, seconds, _)| json!({"node": node, "piece": piece, "seconds": seconds}))
+            .collect();
+        let files: Vec<_> =
+            self.files.iter().map(|(path, id, written)| json!({"path": path, "id": id, "written": written})).collect();
+        json!({
+            "format": 1, "ran": ran, "reused": self.reused, "healed": self.healed, "failed": self.failed,
+            "seconds": seconds, "files": files,
+        })
+    }
+
+    fn print(&self, session: &Session, seconds: f64) {
+        self.print_stages(session);
+        for healed in &self.healed {
+            println!("healed  {healed}; made again, equal to its record");
+        }
+        let written = self.files.iter().filter(|(_, _, written)| *written).count();
+        println!(
+            "ran {} pieces, reused {}, in {seconds:.2} s; {} files in {}, {written} written",
+            self.ran.len(),
+            self.reused,
+            self.files.len(),
+            session.figures.display()
+        );
+    }
+
+    /// Time, pieces and bytes of each stage that ran, in paper order.
+    fn print_stages(&self, session: &Session) {
+        let mut of: BTreeMap<&str, (usize, f64, u64)> = BTreeMap::new();
+        for (node, _, seconds, bytes) in &self.ran {
+            let entry = of.entry(node.split('/').next().unwrap_or(node)).or_default();
+            *entry = (entry.0 + 1, entry.1 + seconds, entry.2 + bytes);
+        }
+        let mut told = Vec::new();
+        for node in &session.graph.nodes {
+            let name = node.node.name();
+            if let Some((pieces, seconds, bytes)) = of.get(name).filter(|_| !told.contains(&name)) {
+                let megabytes = *bytes as f64 / 1e6;
+                println!("{:<12} {name:<22} {pieces:>6} pieces {seconds:>9.2} s {megabytes:>10.2} MB", node.node.paper());
+                told.push(name);
+            }
+        }
+    }
+}

@@ -1,0 +1,81 @@
+//! `encounter show`: the record of a node or piece and its value.
+
+use clap::Args;
+use serde_json::json;
+
+use crate::cli::{Common, print_json};
+use crate::engine::error::{Error, Result};
+use crate::engine::graph::Target;
+use crate::engine::run::{Decision, Run};
+
+/// Arguments of `encounter show`.
+#[derive(Debug, Args)]
+pub struct ShowArgs {
+    /// STAGE[/CASE[/PIECE]], such as `ground_truth/calibrated-S1/17` or `table1`
+    node: String,
+    #[command(flatten)]
+    common: Common,
+}
+
+/// Runs the verb.
+///
+/// # Errors
+/// A name that is no node, or a node that has not been made.
+pub fn show(args: &ShowArgs) -> Result<()> {
+    let session = args.common.open(std::slice::from_ref(&args.node))?;
+    let target = Target::parse(&args.node);
+    let store = session.open_store()?;
+    let silent = |_: &_| {};
+    let run = Run::new(&session.graph, &store, &silent);
+    for (node, it) in session.graph.nodes.iter().enumerate() {
+        for piece in 0..it.pieces.len() {
+            run.decide(node, piece);
+        }
+    }
+    let node = session.graph.find(&target).ok_or_else(|| Error::Usage(format!("{}: no such node", args.node)))?;
+    let it = &session.graph.nodes[node];
+    let piece = target.piece.unwrap_or(0);
+    if piece >= it.pieces.len() {
+        let found = format!("{}: expected a piece from 0 to {}, found {piece}", it.name(), it.pieces.len() - 1);
+        return Err(Error::Usage(found));
+    }
+    let record = match run.decide(node, piece) {
+        Decision::Cached => run.key(node, piece).and_then(|key| store.record(&key)),
+        Decision::WillRun(_) | Decision::MayRun => None,
+    };
+    let record = record.ok_or_else(|| {
+        let name = it.piece_name(piece);
+        Error::Usage(format!("{name}: not made yet with these parameters; `encounter run {name}` makes it"))
+    })?;
+    let value = it.node.json(&run.bytes(node, piece)?)?;
+    if args.common.json {
+        print_json(&json!({
+            "format": 1, "node": it.name(), "piece": piece, "key": record.key, "id": record.id, "bytes": record.bytes,
+            "seconds": record.seconds, "code": record.code, "params": it.params_json(), "inputs": record.inputs,
+            "value": value,
+        }));
+        return Ok(());
+    }
+    println!("{}  {}", it.node.paper(), it.piece_name(piece));
+    println!("pieces   {}", it.pieces.len());
+    println!("key      {}", record.key);
+    println!("id       {}", record.id);
+    println!("bytes    {}", record.bytes);
+    println!("seconds  {:.3}", record.seconds);
+    println!("code     {}", record.code);
+    for input in &record.inputs {
+        println!("input    {input}");
+    }
+    println!("params   {}", it.params_json());
+    println!("value    {}", shortened(&value.to_string()));
+    Ok(())
+}
+
+/// The head of a long text; `--json` prints all of it.
+fn shortened(text: &str) -> String {
+    const LONGEST: usize = 2000;
+    match text.char_indices().nth(LONGEST) {
+        None => text.to_owned(),
+        Some((end, _)) => format!("{}... ({} characters; --json prints all)", &text[..end], text.len()),
+    }
+}

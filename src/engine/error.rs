@@ -1,0 +1,88 @@
+//! What can go wrong in the cache, each with what was expected, what was found and the next step.
+
+use std::path::PathBuf;
+
+/// A result whose error is [`Error`].
+pub type Result<T> = std::result::Result<T, Error>;
+
+/// An error of the engine or of a stage.
+#[derive(Debug, thiserror::Error)]
+pub enum Error {
+    /// A parameter, target or option that cannot be used.
+    #[error("{0}")]
+    Usage(String),
+    /// A stage that could not make its output.
+    #[error("{node} failed: {message}")]
+    Stage {
+        /// The node and piece.
+        node: String,
+        /// What the stage said.
+        message: String,
+    },
+    /// A file operation that failed.
+    #[error("cannot {action} {path}: {source}", path = path.display())]
+    Io {
+        /// What was tried, as a verb.
+        action: &'static str,
+        /// The file or folder.
+        path: PathBuf,
+        /// The operating system's answer.
+        source: std::io::Error,
+    },
+    /// Bytes that are not what their name says.
+    #[error("{what} is damaged: {why}")]
+    Damaged {
+        /// The object, record or lock.
+        what: String,
+        /// How it differs from what was expected.
+        why: String,
+    },
+    /// A key made twice with two contents.
+    #[error("{node} is not reproducible: recorded {recorded}, made again {made}")]
+    NotReproducible {
+        /// The node and piece.
+        node: String,
+        /// The recorded id.
+        recorded: String,
+        /// The id of the new output.
+        made: String,
+    },
+    /// The committed lock differs from what was computed.
+    #[error("{0}")]
+    Difference(String),
+    /// Some nodes failed; the rest is done.
+    #[error("{0}")]
+    Failures(String),
+}
+
+impl Error {
+    /// A failure inside a stage, told in the stage's words; the engine adds the node.
+    pub fn stage(message: impl Into<String>) -> Self {
+        Self::Stage { node: String::new(), message: message.into() }
+    }
+
+    /// Names the node of a stage's failure.
+    pub(crate) fn at(self, node: &str) -> Self {
+        match self {
+            Self::Stage { message, .. } => Self::Stage { node: node.to_owned(), message },
+            other => other,
+        }
+    }
+
+    /// Wraps an operating system's error with the path and the action.
+    pub(crate) fn io(action: &'static str, path: impl Into<PathBuf>) -> impl FnOnce(std::io::Error) -> Self {
+        let path = path.into();
+        move |source| Self::Io { action, path, source }
+    }
+
+    /// The exit code of the process.
+    pub fn exit_code(&self) -> u8 {
+        match self {
+            Self::Stage { .. } | Self::Failures(_) => 1,
+            Self::Usage(_) => 2,
+            Self::Difference(_) => 3,
+            Self::NotReproducible { .. } => 4,
+            Self::Io { .. } | Self::Damaged { .. } => 5,
+        }
+    }
+}

@@ -1,0 +1,63 @@
+//! Event: what happened, as data. The command line turns events into words, tests read them as they are.
+
+/// One thing that happened during a run.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Event {
+    /// A run begins: the nodes in order, each with its number of pieces.
+    DidPlan {
+        /// (`STAGE/CASE`, pieces).
+        nodes: Vec<(String, usize)>,
+    },
+    /// A piece begins to run.
+    WillRun {
+        /// The node.
+        node: String,
+        /// The piece's number.
+        piece: usize,
+    },
+    /// A piece was made and stored.
+    DidRun {
+        /// The node.
+        node: String,
+        /// The piece's number.
+        piece: usize,
+        /// What it took, seconds.
+        seconds: f64,
+        /// The length of the output.
+        bytes: u64,
+    },
+    /// A piece was found in the store.
+    DidReuse {
+        /// The node.
+        node: String,
+        /// The piece's number.
+        piece: usize,
+    },
+    /// A damaged or missing object was made again, equal to its recorded id.
+    DidHeal {
+        /// The node.
+        node: String,
+        /// The piece's number.
+        piece: usize,
+        /// What was wrong.
+        why: String,
+    },
+    /// A piece failed.
+    DidFail {
+        /// The node.
+        node: String,
+        /// The piece's number.
+        piece: usize,
+        /// What went wrong.
+        message: String,
+    },
+    /// A published file was looked at.
+    DidPublish {
+        /// The path within the figures folder.
+        path: String,
+        /// The BLAKE3 of the text.
+        id: String,
+        /// Whether the file had to be written.
+        written: bool,
+    },
+}

@@ -1,0 +1,305 @@
+//! Graph: the cases of the nodes that some targets need, linked by their arrows, in paper order.
+
+use std::collections::BTreeMap;
+
+use crate::engine::arrow::Kind;
+use crate::engine::case::{Axis, Case};
+use crate::engine::code;
+use crate::engine::error::{Error, Result};
+use crate::engine::node::{Decoded, Node};
+use crate::engine::params::{ParamsFile, nearest};
+use crate::engine::pipeline::Pipeline;
+use crate::engine::stage::{Pieces, Select};
+use crate::engine::streams::Streams;
+
+/// One case of one node.
+pub struct NodeCase {
+    /// The stage.
+    pub node: &'static dyn Node,
+    /// The case.
+    pub case: Case,
+    /// Its pieces: first item and number of items.
+    pub pieces: Vec<(u64, u64)>,
+    /// Its arrows, in order.
+    pub(crate) links: Vec<Link>,
+    pub(crate) decoded: Decoded,
+    pub(crate) code: [u8; 32],
+    pub(crate) streams: Streams,
+}
+
+/// An arrow with the upstream cases it reaches.
+pub(crate) struct Link {
+    pub(crate) kind: Kind,
+    pub(crate) upstream: Vec<usize>,
+}
+
+/// The nodes that some targets need, upstream before downstream.
+pub struct Graph {
+    /// The node cases, in paper order.
+    pub nodes: Vec<NodeCase>,
+    /// The root seed.
+    pub seed: u64,
+    /// The node cases that were asked for.
+    pub targets: Vec<usize>,
+}
+
+/// What the command line names: a stage, a node or a piece.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Target {
+    /// The stage's name.
+    pub stage: String,
+    /// The case, as printed.
+    pub case: Option<String>,
+    /// The piece's number.
+    pub piece: Option<usize>,
+}
+
+impl Target {
+    /// Reads `STAGE[/CASE[/PIECE]]`; a stage without cases takes `STAGE/PIECE`.
+    pub fn parse(text: &str) -> Self {
+        let mut parts = text.split('/');
+        let stage = parts.next().unwrap_or_default().to_owned();
+        let rest: Vec<&str> = parts.collect();
+        match rest.as_slice() {
+            [] => Self { stage, case: None, piece: None },
+            [one] => match one.parse() {
+                Ok(piece) => Self { stage, case: None, piece: Some(piece) },
+                Err(_) => Self { stage, case: Some((*one).to_owned()), piece: None },
+            },
+            [case, piece, ..] => Self { stage, case: Some((*case).to_owned()), piece: piece.parse().ok() },
+        }
+    }
+}
+
+impl NodeCase {
+    /// `STAGE/CASE`, or `STAGE` for a node without axes.
+    pub fn name(&self) -> String {
+        let case = self.case.to_string();
+        if case.is_empty() { self.node.name().to_owned() } else { format!("{}/{case}", self.node.name()) }
+    }
+
+    /// The parameters it reads.
+    pub fn params_json(&self) -> serde_json::Value {
+        self.node.params_json(self.decoded.value.as_ref())
+    }
+
+    /// `STAGE/CASE/PIECE`.
+    pub fn piece_name(&self, piece: usize) -> String {
+        if self.pieces.len() == 1 { self.name() } else { format!("{}/{piece}", self.name()) }
+    }
+}
+
+type Slot = (usize, Vec<usize>);
+
+struct Builder<'a> {
+    pipeline: &'a Pipeline,
+    params: &'a ParamsFile,
+    axes: Vec<Vec<Axis>>,
+    /// All table names of each axis, those of `[run]` first, in its order.
+    order: Vec<Vec<String>>,
+    wanted: BTreeMap<Slot, Case>,
+}
+
+impl Graph {
+    /// The graph that some targets need; all of the pipeline for none.
+    ///
+    /// # Errors
+    /// A parameter or target that cannot be used.
+    pub fn new(pipeline: &Pipeline, params: &ParamsFile, targets: &[Target]) -> Result<Self> {
+        pipeline.check(params)?;
+        let mut builder = Builder::new(pipeline, params)?;
+        let mut asked = Vec::new();
+        for place in 0..pipeline.contents.len() {
+            let name = pipeline.contents[place].name();
+            for target in targets.iter().filter(|target| target.stage == name) {
+                asked.extend(builder.want_target(place, target)?);
+            }
+            if targets.is_empty() {
+                asked.extend(builder.want_all(place)?);
+            }
+        }
+        if let Some(unknown) = targets.iter().find(|target| pipeline.place(&target.stage).is_none()) {
+            let names = pipeline.contents.iter().map(|node| node.name());
+            let hint = nearest(&unknown.stage, names.clone());
+            let all: Vec<&str> = names.collect();
+            return Err(Error::Usage(format!(
+                "target `{}`: expected the name of a stage or output ({}), found none of them{hint}",
+                unknown.stage,
+                all.join(", ")
+            )));
+        }
+        builder.link(&asked)
+    }
+
+    /// The node case with a name as printed.
+    pub fn find(&self, target: &Target) -> Option<usize> {
+        self.nodes.iter().position(|node| {
+            let case = node.case.to_string();
+            node.node.name() == target.stage && target.case.as_ref().is_none_or(|wanted| *wanted == case)
+        })
+    }
+}
+
+impl<'a> Builder<'a> {
+    fn new(pipeline: &'a Pipeline, params: &'a ParamsFile) -> Result<Self> {
+        let mut order = Vec::new();
+        for axis in pipeline.axes {
+            let mut names = params.list(*axis)?;
+            for other in params.tables(*axis)? {
+                if !names.contains(&other) {
+                    names.push(other);
+                }
+            }
+            order.push(names);
+        }
+        Ok(Self { pipeline, params, axes: pipeline.axes_of_all(), order, wanted: BTreeMap::new() })
+    }
+
+    fn slot(&self, place: usize, case: &Case) -> Slot {
+        let rank = |(table, value): &(&str, String)| {
+            let axis = self.pipeline.axes.iter().position(|axis| axis.table == *table).unwrap_or(0);
+            self.order[axis].iter().position(|name| name == value).unwrap_or(usize::MAX)
+        };
+        (place, case.values().iter().map(rank).collect())
+    }
+
+    fn want_all(&mut self, place: usize) -> Result<Vec<Slot>> {
+        let node = self.pipeline.contents[place];
+        let mut cases = vec![Case::default()];
+        for axis in self.axes[place].clone() {
+            let values = self.pipeline.values(self.params, node, axis)?;
+            cases = cases.iter().flat_map(|case| values.iter().map(|value| case.with(axis, value))).collect();
+        }
+        cases.into_iter().map(|case| self.want(place, case)).collect()
+    }
+
+    fn want_target(&mut self, place: usize, target: &Target) -> Result<Vec<Slot>> {
+        let Some(wanted) = &target.case else {
+            return self.want_all(place);
+        };
+        let mut cases = vec![Case::default()];
+        for (i, axis) in self.pipeline.axes.iter().enumerate() {
+            if self.axes[place].contains(axis) {
+                let names = &self.order[i];
+                cases = cases.iter().flat_map(|case| names.iter().map(|value| case.with(*axis, value))).collect();
+            }
+        }
+        let names: Vec<String> = cases.iter().map(ToString::to_string).collect();
+        match cases.into_iter().find(|case| case.to_string() == *wanted) {
+            Some(case) => Ok(vec![self.want(place, case)?]),
+            None => Err(Error::Usage(format!(
+                "target `{}/{wanted}`: expected a case of {} ({}), found none of them{}",
+                target.stage,
+                target.stage,
+                names.join(", "),
+                nearest(wanted, names.iter().map(String::as_str))
+            ))),
+        }
+    }
+
+    fn want(&mut self, place: usize, case: Case) -> Result<Slot> {
+        let slot = self.slot(place, &case);
+        if self.wanted.insert(slot.clone(), case.clone()).is_none() {
+            for upstream in self.upstream_cases(place, &case)? {
+                for (upstream_place, case) in upstream {
+                    self.want(upstream_place, case)?;
+                }
+            }
+        }
+        Ok(slot)
+    }
+
+    /// The cases that each arrow of a node reaches.
+    fn upstream_cases(&self, place: usize, case: &Case) -> Result<Vec<Vec<(usize, Case)>>> {
+        let node = self.pipeline.contents[place];
+        node.arrows()
+            .into_iter()
+            .map(|(kind, upstream)| {
+                let up = self.pipeline.place(upstream.name()).filter(|up| *up < place).ok_or_else(|| {
+                    Error::Usage(format!("{} reads {}, which CONTENTS does not list before it", node.name(), upstream.name()))
+                })?;
+                let mut cases = vec![Case::default()];
+                for axis in &self.axes[up] {
+                    let values = self.values_for(node, kind, upstream, case, *axis)?;
+                    cases = cases.iter().flat_map(|c| values.iter().map(|value| c.with(*axis, value))).collect();
+                }
+                Ok(cases.into_iter().map(|case| (up, case)).collect())
+            })
+            .collect()
+    }
+
+    fn values_for(
+        &self,
+        node: &dyn Node,
+        kind: Kind,
+        upstream: &dyn Node,
+        case: &Case,
+        axis: Axis,
+    ) -> Result<Vec<String>> {
+        if kind == Kind::Cases && node.gathers().contains(&axis) {
+            return self.pipeline.values(self.params, upstream, axis);
+        }
+        let value = case.value(axis).ok_or_else(|| {
+            Error::Usage(format!("{} reads {}, but has no axis `{}` to choose by", node.name(), upstream.name(), axis.table))
+        })?;
+        for select in upstream.selects() {
+            if let Select::Rows(selected, path) = select {
+                let rows = self.params.get(path).and_then(toml::Value::as_array);
+                let named = |row: &toml::Value| row.get(axis.table).and_then(toml::Value::as_str) == Some(value);
+                if *selected == axis && !rows.is_some_and(|rows| rows.iter().any(named)) {
+                    let message = format!("expected a row with {} = \"{value}\", which {} reads, found none", axis.table, node.name());
+                    return Err(self.params.refuse(path, &message));
+                }
+            }
+        }
+        Ok(vec![value.to_owned()])
+    }
+
+    fn link(self, asked: &[Slot]) -> Result<Graph> {
+        let seed = self.params.seed()?;
+        let index: BTreeMap<&Slot, usize> = self.wanted.keys().enumerate().map(|(i, slot)| (slot, i)).collect();
+        let mut nodes: Vec<NodeCase> = Vec::new();
+        for ((place, _), case) in &self.wanted {
+            let node = self.pipeline.contents[*place];
+            let mut links = Vec::new();
+            for ((kind, _), cases) in node.arrows().iter().zip(self.upstream_cases(*place, case)?) {
+                let upstream = cases.iter().map(|(up, case)| index[&self.slot(*up, case)]).collect();
+                links.push(Link { kind: *kind, upstream });
+            }
+            let pieces = self.pieces(node, &links, &nodes)?;
+            let code = code::of(node.name()).map_or([0; 32], code::StageCode::fingerprint);
+            nodes.push(NodeCase {
+                node,
+                case: case.clone(),
+                pieces,
+                links,
+                decoded: self.pipeline.decode(self.params, node, case)?,
+                code,
+                streams: Streams::new(seed, node.name()),
+            });
+        }
+        let mut targets: Vec<usize> = asked.iter().map(|slot| index[slot]).collect();
+        targets.sort_unstable();
+        targets.dedup();
+        Ok(Graph { nodes, seed, targets })
+    }
+
+    fn pieces(&self, node: &dyn Node, links: &[Link], nodes: &[NodeCase]) -> Result<Vec<(u64, u64)>> {
+        let one = |link: &Link| link.kind == Kind::One && nodes[link.upstream[0]].pieces.len() != 1;
+        if links.iter().any(one) {
+            return Err(Error::Usage(format!("{} reads `One` of a stage in pieces", node.name())));
+        }
+        Ok(match node.pieces() {
+            Pieces::One => vec![(0, 1)],
+            Pieces::Counted(key) => (0..self.params.count(key)?).map(|item| (item, 1)).collect(),
+            Pieces::Batches(key, size) => {
+                let count = self.params.count(key)?;
+                (0..count.div_ceil(size)).map(|i| (i * size, size.min(count - i * size))).collect()
+            }
+            Pieces::AsUpstream => {
+                let each = links.iter().find(|link| link.kind == Kind::Each);
+                each.map_or(vec![(0, 1)], |link| nodes[link.upstream[0]].pieces.clone())
+            }
+        })
+    }
+}

@@ -1,0 +1,153 @@
+//! Node: a stage with its types erased, so that the engine can hold all of them in one list.
+
+use std::any::{Any, TypeId};
+use std::collections::BTreeMap;
+use std::marker::PhantomData;
+use std::sync::Arc;
+
+use serde::de::DeserializeOwned;
+
+use crate::engine::arrow::{Inputs, Kind};
+use crate::engine::case::Axis;
+use crate::engine::codec;
+use crate::engine::error::Result;
+use crate::engine::fields::field_names;
+use crate::engine::read::Reader;
+use crate::engine::stage::{Artifact, Here, Keep, Pieces, Published, Select, Stage};
+
+/// A decoded artifact.
+pub(crate) type Value = Arc<dyn Any + Send + Sync>;
+
+/// The parameters of one node, decoded.
+pub struct Decoded {
+    /// The stage's own `Params`.
+    pub(crate) value: Box<dyn Any + Send + Sync>,
+    /// The same, encoded: what enters the key.
+    pub(crate) bytes: Vec<u8>,
+    /// Paths in the tables it reads that it takes no notice of.
+    pub(crate) ignored: Vec<String>,
+}
+
+/// A parameter that does not decode: its path within the stage's view, and what serde says of it.
+#[derive(Debug)]
+pub struct Fault {
+    pub(crate) path: String,
+    pub(crate) message: String,
+}
+
+/// A stage, types erased.
+#[expect(missing_docs, reason = "each is the stage's own word, described in Stage")]
+pub trait Node: Sync {
+    fn name(&self) -> &'static str;
+    fn paper(&self) -> &'static str;
+    fn pieces(&self) -> Pieces;
+    fn gathers(&self) -> &'static [Axis];
+    fn selects(&self) -> &'static [Select];
+    fn keep(&self) -> Keep;
+    fn schema(&self) -> &'static str;
+    fn is_published(&self) -> bool;
+    fn arrows(&self) -> Vec<(Kind, &'static dyn Node)>;
+    fn tables(&self) -> &'static [&'static str];
+    fn decode_params(&self, view: toml::Table) -> std::result::Result<Decoded, Fault>;
+    fn run(&self, params: &(dyn Any + Send + Sync), reader: &Reader<'_>, here: Here<'_>) -> Result<Vec<u8>>;
+    fn decode(&self, bytes: &[u8]) -> Result<Value>;
+    fn published(&self, bytes: &[u8]) -> Result<BTreeMap<String, String>>;
+    fn json(&self, bytes: &[u8]) -> Result<serde_json::Value>;
+    fn params_json(&self, params: &(dyn Any + Send + Sync)) -> serde_json::Value;
+}
+
+/// The node of a stage.
+struct Of<S>(PhantomData<fn() -> S>);
+
+/// The node of a stage.
+pub const fn node<S: Stage>() -> &'static dyn Node {
+    &Of::<S>(PhantomData)
+}
+
+impl<S: Stage> Node for Of<S> {
+    fn name(&self) -> &'static str {
+        S::NAME
+    }
+    fn paper(&self) -> &'static str {
+        S::PAPER
+    }
+    fn pieces(&self) -> Pieces {
+        S::PIECES
+    }
+    fn gathers(&self) -> &'static [Axis] {
+        S::GATHERS
+    }
+    fn selects(&self) -> &'static [Select] {
+        S::SELECTS
+    }
+    fn keep(&self) -> Keep {
+        S::KEEP
+    }
+    fn schema(&self) -> &'static str {
+        S::Output::SCHEMA
+    }
+    fn is_published(&self) -> bool {
+        TypeId::of::<S::Output>() == TypeId::of::<Published>()
+    }
+    fn arrows(&self) -> Vec<(Kind, &'static dyn Node)> {
+        S::Inputs::arrows()
+    }
+    fn tables(&self) -> &'static [&'static str] {
+        field_names::<S::Params>()
+    }
+
+    fn decode_params(&self, view: toml::Table) -> std::result::Result<Decoded, Fault> {
+        let (value, ignored) = decode_view::<S::Params>(view)?;
+        S::check(&value).map_err(|text| {
+            let (path, message) = text.split_once(": ").unwrap_or(("", &text));
+            Fault { path: path.to_owned(), message: message.to_owned() }
+        })?;
+        let bytes =
+            codec::encode(&value).map_err(|error| Fault { path: String::new(), message: error.to_string() })?;
+        Ok(Decoded { value: Box::new(value), bytes, ignored })
+    }
+
+    fn run(&self, params: &(dyn Any + Send + Sync), reader: &Reader<'_>, here: Here<'_>) -> Result<Vec<u8>> {
+        let params = params.downcast_ref::<S::Params>().expect("a node is handed its own parameters");
+        let output = S::run(params, S::Inputs::open(reader)?, here)?;
+        codec::encode(&output)
+    }
+
+    fn decode(&self, bytes: &[u8]) -> Result<Value> {
+        Ok(Arc::new(codec::decode::<S::Output>(bytes)?))
+    }
+
+    fn published(&self, bytes: &[u8]) -> Result<BTreeMap<String, String>> {
+        let output = codec::decode::<S::Output>(bytes)?;
+        Ok(output.published().cloned().unwrap_or_default())
+    }
+
+    fn json(&self, bytes: &[u8]) -> Result<serde_json::Value> {
+        let output = codec::decode::<S::Output>(bytes)?;
+        serde_json::to_value(&output).map_err(|why| crate::engine::error::Error::Damaged {
+            what: format!("an output of {}", S::NAME),
+            why: why.to_string(),
+        })
+    }
+
+    fn params_json(&self, params: &(dyn Any + Send + Sync)) -> serde_json::Value {
+        let params = params.downcast_ref::<S::Params>().expect("a node is handed its own parameters");
+        serde_json::to_value(params).unwrap_or_default()
+    }
+}
+
+/// Decodes a view of the parameter file, with the path of a fault and the paths that nothing took notice of.
+fn decode_view<P: DeserializeOwned>(view: toml::Table) -> std::result::Result<(P, Vec<String>), Fault> {
+    let mut ignored = Vec::new();
+    let mut track = serde_path_to_error::Track::new();
+    let value = toml::Value::Table(view);
+    let deserializer = serde_path_to_error::Deserializer::new(value, &mut track);
+    let result = serde_ignored::deserialize(deserializer, |path| ignored.push(path.to_string()));
+    match result {
+        Ok(value) => Ok((value, ignored)),
+        Err(error) => {
+            let error: toml::de::Error = error;
+            Err(Fault { path: track.path().to_string(), message: error.message().to_owned() })
+        }
+    }
+}

@@ -1,0 +1,202 @@
+//! Pipeline: every node in paper order, which is dataflow order; and the rules its parameters keep.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use crate::engine::case::{Axis, Case};
+use crate::engine::error::{Error, Result};
+use crate::engine::node::{Decoded, Node};
+use crate::engine::params::{ParamsFile, nearest, real_path, shown};
+use crate::engine::stage::{Pieces, Select};
+
+/// All nodes in paper order and the axes that their cases run over.
+#[derive(Clone, Copy)]
+pub struct Pipeline {
+    /// The axes, in the order in which a case names its values.
+    pub axes: &'static [Axis],
+    /// The nodes, in paper order.
+    pub contents: &'static [&'static dyn Node],
+    /// Keys of `[run]` that are neither the seed nor the list of an axis, and keys that any table may leave out.
+    pub optional: &'static [&'static str],
+}
+
+impl Pipeline {
+    /// The place of a stage in the contents.
+    pub fn place(&self, name: &str) -> Option<usize> {
+        self.contents.iter().position(|node| node.name() == name)
+    }
+
+    /// The axes that each node depends on: those of the tables it reads and of its inputs, less those it gathers.
+    pub(crate) fn axes_of_all(&self) -> Vec<Vec<Axis>> {
+        let mut of: BTreeMap<&str, Vec<Axis>> = BTreeMap::new();
+        let mut all = Vec::new();
+        for node in self.contents {
+            let read = |axis: &Axis| node.tables().contains(&axis.table);
+            let inherited = |axis: &Axis| {
+                let upstream = node.arrows().into_iter().filter_map(|(_, up)| of.get(up.name()));
+                upstream.flatten().any(|other| other == axis) && !node.gathers().contains(axis)
+            };
+            let axes: Vec<Axis> =
+                self.axes.iter().copied().filter(|axis| read(axis) || inherited(axis)).collect();
+            of.insert(node.name(), axes.clone());
+            all.push(axes);
+        }
+        all
+    }
+
+    /// The keys that count items or pieces.
+    pub(crate) fn counts(&self) -> Vec<&'static str> {
+        let keys = self.contents.iter().filter_map(|node| match node.pieces() {
+            Pieces::Counted(key) | Pieces::Batches(key, _) => Some(key),
+            Pieces::One | Pieces::AsUpstream => None,
+        });
+        keys.collect::<BTreeSet<_>>().into_iter().collect()
+    }
+
+    /// The values of an axis for one node, in order.
+    pub(crate) fn values(&self, params: &ParamsFile, node: &dyn Node, axis: Axis) -> Result<Vec<String>> {
+        for select in node.selects() {
+            match *select {
+                Select::At(selected, path) if selected == axis => return Ok(vec![pinned(params, axis, path)?]),
+                Select::Rows(selected, path) if selected == axis => {
+                    let named = row_names(params, axis, path)?;
+                    return Ok(params.list(axis)?.into_iter().filter(|name| named.contains(name)).collect());
+                }
+                _ => {}
+            }
+        }
+        params.list(axis)
+    }
+
+    /// Decodes the parameters of one node in one case.
+    pub(crate) fn decode(&self, params: &ParamsFile, node: &dyn Node, case: &Case) -> Result<Decoded> {
+        let rows: Vec<(Axis, &str)> = node
+            .selects()
+            .iter()
+            .filter_map(|select| match select {
+                Select::Rows(axis, path) => Some((*axis, *path)),
+                Select::At(..) => None,
+            })
+            .collect();
+        let view = params.view(node.tables(), self.axes, case, &self.counts(), &rows);
+        node.decode_params(view).map_err(|fault| params.fault(&fault, self.axes, case))
+    }
+
+    /// Checks every table and key, also those that this run will not use.
+    ///
+    /// # Errors
+    /// The first key that is unknown, of a wrong type or out of range.
+    pub fn check(&self, params: &ParamsFile) -> Result<()> {
+        params.seed()?;
+        for count in self.counts() {
+            params.count(count)?;
+        }
+        let mut unread: BTreeSet<String> = params.leaves().into_iter().collect();
+        unread.remove("run.seed");
+        for key in self.counts().iter().chain(self.optional) {
+            unread.remove(*key);
+        }
+        let mut tables = Vec::new();
+        for axis in self.axes {
+            unread.remove(&format!("run.{}", axis.list));
+            params.list(*axis)?;
+            tables.push(params.tables(*axis)?);
+        }
+        let axes_of_all = self.axes_of_all();
+        for (node, axes) in self.contents.iter().zip(&axes_of_all) {
+            for select in node.selects() {
+                if let Select::At(axis, path) = select {
+                    pinned(params, *axis, path)?;
+                    unread.remove(*path);
+                }
+            }
+            for case in self.covering_cases(axes, &tables) {
+                let decoded = self.decode(params, *node, &case)?;
+                let read: Vec<String> =
+                    node.tables().iter().map(|table| real_path(table, self.axes, &case)).collect();
+                let ignored: Vec<String> =
+                    decoded.ignored.iter().map(|path| real_path(path, self.axes, &case)).collect();
+                unread.retain(|leaf| !(is_under(leaf, &read) && !is_under(leaf, &ignored)));
+            }
+        }
+        match unread.first() {
+            None => Ok(()),
+            Some(path) => Err(self.unknown(params, path)),
+        }
+    }
+
+    /// Cases that together take every table of every axis at least once.
+    fn covering_cases(&self, axes: &[Axis], tables: &[Vec<String>]) -> Vec<Case> {
+        let of = |axis: &Axis| {
+            let place = self.axes.iter().position(|other| other == axis).unwrap_or(0);
+            &tables[place]
+        };
+        let longest = axes.iter().map(|axis| of(axis).len()).max().unwrap_or(1);
+        let case = |i: usize| {
+            axes.iter().fold(Case::default(), |case, axis| {
+                let names = of(axis);
+                case.with(*axis, &names[i % names.len()])
+            })
+        };
+        (0..longest).map(case).collect()
+    }
+
+    fn unknown(&self, params: &ParamsFile, path: &str) -> Error {
+        let table = path.rsplit_once('.').map_or("", |(table, _)| table);
+        let axis = self.axes.iter().find(|axis| table.split('.').next() == Some(axis.table));
+        let mut known: BTreeSet<String> = params.leaves().into_iter().filter(|leaf| leaf != path).collect();
+        if let Some(axis) = axis {
+            // Keys of one [sea.*] are keys of all of them.
+            let prefix = format!("{}.", axis.table);
+            let keys: Vec<String> = known
+                .iter()
+                .filter_map(|leaf| leaf.strip_prefix(&prefix)?.split_once('.').map(|(_, key)| format!("{table}.{key}")))
+                .collect();
+            known.extend(keys);
+        }
+        let hint = nearest(path, known.iter().map(String::as_str));
+        params.refuse(path, &format!("expected a known key, found an unknown one{hint}"))
+    }
+}
+
+fn is_under(path: &str, prefixes: &[String]) -> bool {
+    prefixes
+        .iter()
+        .any(|prefix| path.strip_prefix(prefix.as_str()).is_some_and(|rest| rest.is_empty() || rest.starts_with('.')))
+}
+
+fn pinned(params: &ParamsFile, axis: Axis, path: &str) -> Result<String> {
+    let tables = params.tables(axis)?;
+    let found = params.get(path);
+    let name = found.and_then(toml::Value::as_str);
+    match name.filter(|name| tables.iter().any(|table| table == name)) {
+        Some(name) => Ok(name.to_owned()),
+        None => {
+            let hint = name.map_or(String::new(), |name| nearest(name, tables.iter().map(String::as_str)));
+            let expected = format!("expected the name of a [{}.*] table ({})", axis.table, tables.join(", "));
+            Err(params.refuse(path, &format!("{expected}, found {}{hint}", shown(found))))
+        }
+    }
+}
+
+fn row_names(params: &ParamsFile, axis: Axis, path: &str) -> Result<Vec<String>> {
+    let rows = params.get(path).and_then(toml::Value::as_array);
+    let rows = rows.ok_or_else(|| params.refuse(path, "expected a list of rows, found none"))?;
+    let tables = params.tables(axis)?;
+    let mut names: Vec<String> = Vec::new();
+    for (i, row) in rows.iter().enumerate() {
+        let found = row.get(axis.table);
+        let refuse = |what: String| {
+            let expected = format!("row {i}: expected {} = the name of a [{}.*] table", axis.table, axis.table);
+            params.refuse(path, &format!("{expected} ({}), found {what}", tables.join(", ")))
+        };
+        let name = found.and_then(toml::Value::as_str).ok_or_else(|| refuse(shown(found)))?;
+        if !tables.iter().any(|table| table == name) {
+            return Err(refuse(format!("\"{name}\"")));
+        }
+        if names.iter().any(|earlier| earlier == name) {
+            return Err(refuse(format!("\"{name}\" twice")));
+        }
+        names.push(name.to_owned());
+    }
+    Ok(names)
+}

@@ -1,0 +1,273 @@
+//! Run: the state of one walk through a graph. One code path decides what is cached; `status` and `run` both ask it.
+
+use std::sync::{Arc, OnceLock};
+use std::time::Instant;
+
+use crate::engine::arrow::Kind;
+use crate::engine::code;
+use crate::engine::error::{Error, Result};
+use crate::engine::event::Event;
+use crate::engine::graph::{Graph, Link};
+use crate::engine::id::{Id, Key, schema_number};
+use crate::engine::key::{InputKey, Preimage};
+use crate::engine::memo::Memo;
+use crate::engine::node::Value;
+use crate::engine::object;
+use crate::engine::read::Reader;
+use crate::engine::record::Record;
+use crate::engine::stage::{Here, Keep};
+use crate::engine::store::{Found, Store};
+
+/// Bytes of artifacts held in memory between stages.
+const MEMO_BYTES: usize = 256 << 20;
+
+/// Whoever wants to know what happens.
+pub type Listener<'a> = dyn Fn(&Event) + Sync + 'a;
+
+/// The state of one walk through a graph.
+pub struct Run<'g> {
+    pub(crate) graph: &'g Graph,
+    pub(crate) store: &'g Store,
+    listener: &'g Listener<'g>,
+    ids: Vec<Vec<OnceLock<Id>>>,
+    contents: Vec<OnceLock<Id>>,
+    memo: Memo,
+}
+
+/// What is known of a piece before anything runs.
+pub(crate) enum Decision {
+    /// A record with its bytes at hand, or left out on purpose.
+    Cached,
+    /// No such record.
+    WillRun(Key),
+    /// An input will run; whether this piece must is not known yet.
+    MayRun,
+}
+
+impl<'g> Run<'g> {
+    /// A walk that knows no id yet.
+    pub fn new(graph: &'g Graph, store: &'g Store, listener: &'g Listener<'g>) -> Self {
+        let ids = graph.nodes.iter().map(|node| node.pieces.iter().map(|_| OnceLock::new()).collect()).collect();
+        let contents = graph.nodes.iter().map(|_| OnceLock::new()).collect();
+        Self { graph, store, listener, ids, contents, memo: Memo::new(MEMO_BYTES) }
+    }
+
+    pub(crate) fn tell(&self, event: &Event) {
+        (self.listener)(event);
+    }
+
+    /// The id of a piece, once it is known.
+    pub fn id(&self, node: usize, piece: usize) -> Option<Id> {
+        self.ids[node][piece].get().copied()
+    }
+
+    /// The content of a node: the id of its only piece, or of the list of its pieces' ids.
+    pub fn content(&self, node: usize) -> Option<Id> {
+        if let Some(id) = self.contents[node].get() {
+            return Some(*id);
+        }
+        let ids: Option<Vec<Id>> = self.ids[node].iter().map(|id| id.get().copied()).collect();
+        let ids = ids?;
+        let content = if let [only] = ids.as_slice() { *only } else { Id::of_manifest(&ids) };
+        Some(*self.contents[node].get_or_init(|| content))
+    }
+
+    /// The key of a piece, if the ids of all its inputs are known.
+    pub fn key(&self, node: usize, piece: usize) -> Option<Key> {
+        let inputs: Option<Vec<InputKey>> =
+            self.graph.nodes[node].links.iter().map(|link| self.input_key(link, piece)).collect();
+        Some(self.preimage(node, piece, inputs?).key())
+    }
+
+    fn preimage(&self, node: usize, piece: usize, inputs: Vec<InputKey>) -> Preimage<'_> {
+        let it = &self.graph.nodes[node];
+        let (first, items) = it.pieces[piece];
+        Preimage {
+            stage: it.node.name(),
+            first,
+            items,
+            seed: self.graph.seed,
+            code: it.code,
+            params: &it.decoded.bytes,
+            inputs,
+        }
+    }
+
+    fn input_key(&self, link: &Link, piece: usize) -> Option<InputKey> {
+        match link.kind {
+            Kind::Each => self.id(link.upstream[0], piece).map(InputKey::Content),
+            Kind::One | Kind::All => self.content(link.upstream[0]).map(InputKey::Content),
+            Kind::Cases => {
+                let case = |up: &usize| Some((self.graph.nodes[*up].case.to_string(), self.content(*up)?));
+                link.upstream.iter().map(case).collect::<Option<Vec<_>>>().map(InputKey::Cases)
+            }
+        }
+    }
+
+    /// Decides a piece from its key and the store; a cached one is known from now on.
+    pub(crate) fn decide(&self, node: usize, piece: usize) -> Decision {
+        if self.id(node, piece).is_some() {
+            return Decision::Cached;
+        }
+        let Some(key) = self.key(node, piece) else {
+            return Decision::MayRun;
+        };
+        match self.store.record(&key).and_then(|record| Some((Id::parse(&record.id)?, record.evicted))) {
+            Some((id, evicted)) if evicted || self.store.has(&id) => {
+                let _ = self.ids[node][piece].set(id);
+                Decision::Cached
+            }
+            _ => Decision::WillRun(key),
+        }
+    }
+
+    /// Runs a piece, stores its output and takes note of its id.
+    pub(crate) fn make(&self, node: usize, piece: usize, key: Key) -> Result<()> {
+        let it = &self.graph.nodes[node];
+        let name = it.name();
+        self.tell(&Event::WillRun { node: name.clone(), piece });
+        let start = Instant::now();
+        let bytes = self.compute(node, piece)?;
+        let seconds = start.elapsed().as_secs_f64();
+        let schema = schema_number(it.node.schema());
+        let id = Id::of(crate::engine::codec::CODEC, schema, &bytes);
+        let record = self.record(node, piece, key, id, bytes.len() as u64, seconds);
+        if let Some(earlier) = self.store.record(&key).filter(|earlier| earlier.id != record.id) {
+            return Err(self.not_reproducible(node, piece, &earlier.id, &record.id));
+        }
+        self.store.publish(schema, &bytes, &record)?;
+        let length = bytes.len() as u64;
+        self.memo.put_bytes(id, Arc::from(bytes));
+        let _ = self.ids[node][piece].set(id);
+        self.tell(&Event::DidRun { node: name, piece, seconds, bytes: length });
+        Ok(())
+    }
+
+    fn compute(&self, node: usize, piece: usize) -> Result<Vec<u8>> {
+        let it = &self.graph.nodes[node];
+        let (first, items) = it.pieces[piece];
+        let here = Here { first, items, streams: &it.streams };
+        let reader = Reader::new(self, node, piece);
+        it.node.run(it.decoded.value.as_ref(), &reader, here).map_err(|error| error.at(&it.piece_name(piece)))
+    }
+
+    fn record(&self, node: usize, piece: usize, key: Key, id: Id, bytes: u64, seconds: f64) -> Record {
+        let it = &self.graph.nodes[node];
+        let (first, items) = it.pieces[piece];
+        let inputs = it.links.iter().flat_map(|link| match link.kind {
+            Kind::Each => vec![self.id(link.upstream[0], piece)],
+            _ => link.upstream.iter().map(|up| self.content(*up)).collect(),
+        });
+        Record {
+            format: 1,
+            node: it.name(),
+            first,
+            items,
+            key: key.to_string(),
+            id: id.to_string(),
+            bytes,
+            seconds,
+            evicted: it.node.keep() == Keep::Evict,
+            code: blake3::Hash::from_bytes(it.code).to_hex().to_string(),
+            params: blake3::hash(&it.decoded.bytes).to_hex().to_string(),
+            seed: self.graph.seed,
+            inputs: inputs.flatten().map(|id| id.to_string()).collect(),
+            rustc: code::RUSTC.to_owned(),
+            target: format!("{}-{}", std::env::consts::ARCH, std::env::consts::OS),
+        }
+    }
+
+    /// The decoded output of a piece whose id is known: from memory, from the store, or made again and checked.
+    pub(crate) fn value(&self, node: usize, piece: usize) -> Result<Value> {
+        let id = self.id(node, piece).expect("a piece is read after its id is known");
+        if let Some(value) = self.memo.value(&id) {
+            return Ok(value);
+        }
+        let bytes = match self.memo.bytes(&id) {
+            Some(bytes) => bytes,
+            None => Arc::from(self.bytes(node, piece)?),
+        };
+        let value = self.graph.nodes[node].node.decode(&bytes)?;
+        self.memo.put_value(id, value.clone(), bytes.len());
+        Ok(value)
+    }
+
+    /// The encoded output of a piece whose id is known.
+    ///
+    /// # Errors
+    /// An output that is gone and cannot be made again with the same bits.
+    pub fn bytes(&self, node: usize, piece: usize) -> Result<Vec<u8>> {
+        let it = &self.graph.nodes[node];
+        let id = self.id(node, piece).expect("a piece is read after its id is known");
+        let schema = schema_number(it.node.schema());
+        let evicted = it.node.keep() == Keep::Evict;
+        let why = match self.store.read(&id, Some(schema)) {
+            Found::Bytes(bytes) => return Ok(bytes),
+            Found::Missing if evicted => None,
+            Found::Missing => Some("its object is missing".to_owned()),
+            Found::Damaged(why) => Some(format!("its object is damaged ({why})")),
+        };
+        for link in &it.links {
+            self.know_inputs(link, piece)?;
+        }
+        let bytes = self.compute(node, piece)?;
+        let (made, file) = object::seal(schema, &bytes);
+        if made != id {
+            return Err(self.not_reproducible(node, piece, &id.to_string(), &made.to_string()));
+        }
+        if let Some(why) = why {
+            self.store.restore(&id, &file)?;
+            self.tell(&Event::DidHeal { node: it.name(), piece, why });
+        }
+        Ok(bytes)
+    }
+
+    /// Makes sure that the ids an arrow needs are known, deciding upstream pieces that nobody has asked for yet.
+    fn know_inputs(&self, link: &Link, piece: usize) -> Result<()> {
+        for up in &link.upstream {
+            let pieces = if link.kind == Kind::Each { piece..piece + 1 } else { 0..self.graph.nodes[*up].pieces.len() };
+            for piece in pieces {
+                self.know(*up, piece)?;
+            }
+        }
+        Ok(())
+    }
+
+    fn know(&self, node: usize, piece: usize) -> Result<()> {
+        if self.id(node, piece).is_some() {
+            return Ok(());
+        }
+        for link in &self.graph.nodes[node].links {
+            self.know_inputs(link, piece)?;
+        }
+        match self.decide(node, piece) {
+            Decision::WillRun(key) => self.make(node, piece, key),
+            Decision::Cached | Decision::MayRun => Ok(()),
+        }
+    }
+
+    fn not_reproducible(&self, node: usize, piece: usize, recorded: &str, made: &str) -> Error {
+        Error::NotReproducible {
+            node: self.graph.nodes[node].piece_name(piece),
+            recorded: recorded.to_owned(),
+            made: made.to_owned(),
+        }
+    }
+
+    /// The recipe of a whole node: its key with the contents of its inputs, whatever the piece.
+    pub(crate) fn recipe(&self, node: usize, content: &dyn Fn(usize) -> Option<Id>) -> Option<Key> {
+        let it = &self.graph.nodes[node];
+        let inputs: Option<Vec<InputKey>> = it
+            .links
+            .iter()
+            .map(|link| {
+                let case = |up: &usize| Some((self.graph.nodes[*up].case.to_string(), content(*up)?));
+                link.upstream.iter().map(case).collect::<Option<Vec<_>>>().map(InputKey::Cases)
+            })
+            .collect();
+        let mut preimage = self.preimage(node, 0, inputs?);
+        preimage.first = it.pieces.len() as u64;
+        preimage.items = it.pieces.iter().map(|(_, items)| items).sum();
+        Some(preimage.recipe())
+    }
+}

@@ -1,0 +1,138 @@
+//! Stage: what a domain scientist writes. One file: parameters, inputs, output, and a pure function between them.
+
+use std::collections::BTreeMap;
+
+use rand_chacha::ChaCha12Rng;
+use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
+
+use crate::engine::arrow::Inputs;
+use crate::engine::case::Axis;
+use crate::engine::error::Result;
+use crate::engine::streams::Streams;
+
+/// One step of the paper.
+pub trait Stage: 'static {
+    /// The file stem, which is also the word on the command line.
+    const NAME: &'static str;
+    /// The place in the paper.
+    const PAPER: &'static str;
+    /// How the work is cut into independent pieces.
+    const PIECES: Pieces = Pieces::One;
+    /// The axes that its [`Cases`](crate::engine::arrow::Cases) arrows run over.
+    const GATHERS: &'static [Axis] = &[];
+    /// Axes whose values come from elsewhere than `[run]`.
+    const SELECTS: &'static [Select] = &[];
+    /// Whether the bytes of the output stay in the store.
+    const KEEP: Keep = Keep::Always;
+    /// The parameters it reads: a struct whose fields are tables of the parameter file.
+    type Params: Serialize + DeserializeOwned + Send + Sync;
+    /// A tuple of arrows.
+    type Inputs: Inputs;
+    /// What it makes.
+    type Output: Artifact;
+
+    /// Rules between parameters that one key alone cannot state; the message reads `key: expected .., found ..`.
+    ///
+    /// # Errors
+    /// The first rule that does not hold.
+    fn check(_params: &Self::Params) -> std::result::Result<(), String> {
+        Ok(())
+    }
+
+    /// Makes the output of one piece; a pure function.
+    ///
+    /// # Errors
+    /// What keeps the output from being made.
+    fn run(
+        params: &Self::Params,
+        inputs: <Self::Inputs as Inputs>::Values<'_>,
+        here: Here<'_>,
+    ) -> Result<Self::Output>;
+}
+
+/// A value that a stage makes and the store keeps.
+pub trait Artifact: Serialize + DeserializeOwned + Send + Sync + 'static {
+    /// Name and version of the layout, such as `wave-groups/1`.
+    const SCHEMA: &'static str;
+
+    /// The text files of a published output.
+    fn published(&self) -> Option<&BTreeMap<String, String>> {
+        None
+    }
+}
+
+/// The text files of a figure or table, by file name.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Published {
+    /// File name to content.
+    pub files: BTreeMap<String, String>,
+}
+
+impl Artifact for Published {
+    const SCHEMA: &'static str = "published/1";
+
+    fn published(&self) -> Option<&BTreeMap<String, String>> {
+        Some(&self.files)
+    }
+}
+
+impl Published {
+    /// Files that share a stem, by extension.
+    pub fn new<const N: usize>(stem: &str, files: [(&str, String); N]) -> Self {
+        let named = files.into_iter().map(|(extension, text)| (format!("{stem}.{extension}"), text));
+        Self { files: named.collect() }
+    }
+}
+
+/// How a node is cut into pieces; items are counted over the whole node.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Pieces {
+    /// One piece.
+    One,
+    /// One item a piece; the parameter counts them.
+    Counted(&'static str),
+    /// The parameter counts the items; a piece holds at most this many.
+    Batches(&'static str, u64),
+    /// The pieces of the first `Each` arrow.
+    AsUpstream,
+}
+
+/// Where the values of an axis come from, if not from `[run]`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Select {
+    /// One value, that of this parameter.
+    At(Axis, &'static str),
+    /// Those values of `[run]` that name a row of this array of tables; the stage sees its own rows alone.
+    Rows(Axis, &'static str),
+}
+
+/// Whether the bytes of an artifact stay in the store.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Keep {
+    /// Written and kept.
+    Always,
+    /// Hashed and recorded, handed to readers in memory, made again when needed.
+    Evict,
+}
+
+/// Where a stage stands: the piece and its random streams.
+pub struct Here<'a> {
+    /// The first item of the piece.
+    pub first: u64,
+    /// The number of items in the piece.
+    pub items: u64,
+    pub(crate) streams: &'a Streams,
+}
+
+impl Here<'_> {
+    /// The random stream of an item, counted over the whole node.
+    pub fn stream(&self, item: u64) -> ChaCha12Rng {
+        self.streams.of(item)
+    }
+
+    /// The random streams of the piece's items, in order.
+    pub fn streams(&self) -> impl Iterator<Item = ChaCha12Rng> + '_ {
+        (self.first..self.first + self.items).map(|item| self.stream(item))
+    }
+}
