@@ -1,7 +1,9 @@
 //! Mathematics without a ship in it.
 
+pub mod density;
 pub mod domain;
 pub mod elementary;
+pub mod fourier;
 pub mod lanes;
 pub mod random;
 pub mod sums;

@@ -1,0 +1,1 @@
+//! §2: group detection.
