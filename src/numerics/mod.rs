@@ -3,5 +3,7 @@
 pub mod domain;
 pub mod elementary;
 pub mod lanes;
+pub mod lbfgs_memory;
+pub mod lbfgsb;
 pub mod random;
 pub mod sums;
