@@ -5,5 +5,7 @@ pub mod domain;
 pub mod elementary;
 pub mod fourier;
 pub mod lanes;
+pub mod lbfgs_memory;
+pub mod lbfgsb;
 pub mod random;
 pub mod sums;
