@@ -3,5 +3,6 @@
 pub mod cli;
 pub mod engine;
 pub mod numerics;
+pub mod sea;
 #[path = "../stages/mod.rs"]
 pub mod stages;

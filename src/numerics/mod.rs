@@ -1,7 +1,11 @@
 //! Mathematics without a ship in it.
 
+pub mod density;
 pub mod domain;
 pub mod elementary;
+pub mod fourier;
 pub mod lanes;
+pub mod lbfgs_memory;
+pub mod lbfgsb;
 pub mod random;
 pub mod sums;

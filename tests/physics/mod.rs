@@ -1,1 +1,3 @@
 //! Exact solutions and laws, module by module.
+
+mod lbfgsb;

@@ -1,0 +1,133 @@
+//! §2: detection of wave groups in an envelope, by scale space (Cousins & Sapsis, J. Fluid Mech. 790, 2016) and a fit of
+//! similarity (Gong et al., arXiv 2108.03636).
+//!
+//! | paper | code | unit or shape | meaning |
+//! |---|---|---|---|
+//! | rho | `rho` | (n) m | envelope, periodic |
+//! | D(x, s) | `d` | m | scale-space response at position x, scale s |
+//! | x, s, l | `x`, `s`, `l` | samples | position, scale, length = s/sqrt 2 at a minimum of D |
+//! | A | `a` | m | amplitude |
+//! | C | `similarity` | 1 | similarity of the envelope to the group's Gaussian |
+//! | C_thr | `similarity_threshold` | 1 | least similarity of a group |
+//!
+//! The steps: (1) coarse scale space, (2) refinement in `scale_space`; (3) pre-check, (4) fit, (5) post-check in `fit`;
+//! (6) removal of overlaps in `prune`; (7) units here. Tested in `tests/physics/detection.rs`.
+
+pub mod fit;
+pub mod prune;
+pub mod ring;
+pub mod scale_space;
+
+use crate::numerics::domain;
+use crate::numerics::fourier::WIDTH;
+use crate::sea::envelope::Envelopes;
+use crate::sea::wave_group::{Groups, WaveGroup};
+use fit::Candidate;
+use ring::Ring;
+use scale_space::ScaleSpace;
+use serde::{Deserialize, Serialize};
+
+/// The table `[detection]`; lengths in envelope samples.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Detection {
+    /// Scales s = 1, 2, ... of the coarse scale space, 5 to 1024.
+    #[serde(deserialize_with = "domain::count")]
+    pub scales: u32,
+    /// C_thr: a group has a similarity above this, -1 to 1.
+    #[serde(deserialize_with = "domain::finite")]
+    pub similarity_threshold: f64,
+    /// A seed is fitted if one minus its relative distance from the envelope is above this, at most 1.
+    #[serde(deserialize_with = "domain::finite")]
+    pub precheck_threshold: f64,
+    /// L_max, longest group, samples.
+    #[serde(deserialize_with = "domain::positive")]
+    pub longest: f64,
+    /// A group is longer than this, samples.
+    #[serde(deserialize_with = "domain::non_negative")]
+    pub shortest: f64,
+    /// A group's amplitude is above this, m.
+    #[serde(deserialize_with = "domain::non_negative")]
+    pub smallest_amplitude: f64,
+    /// Neighbours overlap if closer than this times the greater length.
+    #[serde(deserialize_with = "domain::non_negative")]
+    pub overlap_factor: f64,
+    /// Of two that overlap the more similar stays if they differ by more than this, else the longer.
+    #[serde(deserialize_with = "domain::non_negative")]
+    pub overlap_similarity_margin: f64,
+}
+
+impl Detection {
+    /// Checks the ranges that bound the work, and that a group's lengths leave room for one.
+    ///
+    /// # Errors
+    /// Names the key, what was expected and what was found.
+    pub fn check(&self) -> Result<(), String> {
+        if !(5..=1024).contains(&self.scales) {
+            return Err(format!("scales: expected 5 to 1024, found {}", self.scales));
+        }
+        let within = |key: &str, value: f64, low: f64, high: f64| {
+            if value >= low && value <= high {
+                return Ok(());
+            }
+            Err(format!("{key}: expected {low} to {high}, found {value}"))
+        };
+        within("similarity_threshold", self.similarity_threshold, -1.0, 1.0)?;
+        within("precheck_threshold", self.precheck_threshold, -1e6, 1.0)?;
+        within("longest", self.longest, fit::SHORTEST_FIT, 1e4)?;
+        within("shortest", self.shortest, 0.0, self.longest)
+    }
+}
+
+/// The groups of every field, steps (1) to (7); `rho` has a power of two of samples per field.
+pub fn detect(rho: &Envelopes, d: &Detection) -> Groups {
+    let n = rho.rho.first().map_or(0, Vec::len);
+    if n == 0 {
+        return Groups {
+            fields: vec![Vec::new(); rho.rho.len()],
+        };
+    }
+    let mut space = ScaleSpace::new(n, d.scales);
+    let mut fields = Vec::with_capacity(rho.rho.len());
+    for block in rho.rho.chunks(WIDTH) {
+        space.fill(block);
+        for (field, seeds) in block.iter().zip(space.seeds()) {
+            fields.push(groups_of(Ring::new(field), &seeds, rho.spacing, d));
+        }
+    }
+    Groups { fields }
+}
+
+/// Steps (2) to (7) for one field.
+fn groups_of(rho: Ring, seeds: &[scale_space::Seed], spacing: f64, d: &Detection) -> Vec<WaveGroup> {
+    let mut refined: Vec<_> = seeds
+        .iter()
+        .filter_map(|seed| scale_space::refine(rho, *seed))
+        .collect();
+    refined.sort_by(|p, q| p.x.total_cmp(&q.x));
+    let fitted = refined
+        .iter()
+        .filter_map(|seed| fit::precheck(rho, *seed, d))
+        .map(|start| fit::fit(rho, start, d))
+        .filter(|group| fit::postcheck(group, d))
+        .collect();
+    let n = rho.len() as f64;
+    let mut groups: Vec<_> = prune::without_overlaps(fitted, n, d)
+        .iter()
+        .map(|group| in_seconds(group, n, spacing))
+        .collect();
+    groups.sort_by(|p, q| p.t_c.total_cmp(&q.t_c).then(p.l.total_cmp(&q.l)));
+    groups
+}
+
+/// Step (7): seconds within the field's period of n samples.
+fn in_seconds(group: &Candidate, n: f64, spacing: f64) -> WaveGroup {
+    let x = group.x - n * (group.x / n).floor();
+    WaveGroup {
+        // A centre a rounding error below zero comes out as n.
+        t_c: if x >= n { 0.0 } else { spacing * x },
+        l: spacing * group.l,
+        a: group.a,
+        similarity: group.similarity,
+    }
+}

@@ -1,0 +1,87 @@
+//! A periodic series read in windows, eight samples at a time.
+//!
+//! A window is the samples from floor(centre - reach) to floor(centre + reach), both included, wrapped round the period.
+//! Tested through `tests/physics/detection.rs`.
+
+use crate::numerics::fourier::WIDTH;
+
+/// One period of a periodic series.
+#[derive(Clone, Copy)]
+pub struct Ring<'a> {
+    samples: &'a [f64],
+}
+
+/// The samples `first..=last`, before wrapping.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Window {
+    /// First sample.
+    pub first: i64,
+    /// Last sample.
+    pub last: i64,
+}
+
+impl Window {
+    /// The window of the given reach on both sides of a centre, in samples.
+    #[inline(always)]
+    pub fn around(centre: f64, reach: f64) -> Self {
+        Self {
+            first: floor(centre - reach),
+            last: floor(centre + reach),
+        }
+    }
+
+    /// Samples in the window.
+    #[inline(always)]
+    pub fn count(&self) -> f64 {
+        (self.last - self.first + 1) as f64
+    }
+}
+
+/// The largest whole number at or below x; the cast cuts off, without a call to the platform's floor.
+#[inline(always)]
+fn floor(x: f64) -> i64 {
+    let cut = x as i64;
+    cut - i64::from(cut as f64 > x)
+}
+
+impl<'a> Ring<'a> {
+    /// The series whose period is `samples`, at least one.
+    pub fn new(samples: &'a [f64]) -> Self {
+        assert!(!samples.is_empty(), "a period has at least one sample");
+        Self { samples }
+    }
+
+    /// Samples in a period.
+    #[inline(always)]
+    pub fn len(&self) -> usize {
+        self.samples.len()
+    }
+
+    /// Whether there are no samples: never.
+    pub fn is_empty(&self) -> bool {
+        self.samples.is_empty()
+    }
+
+    /// The samples first, first + 1, ..., wrapped.
+    #[inline(always)]
+    pub fn chunk(&self, first: i64) -> [f64; WIDTH] {
+        let n = self.samples.len() as i64;
+        if first >= 0 && first + WIDTH as i64 <= n {
+            let at = first as usize;
+            let mut out = [0.0; WIDTH];
+            out.copy_from_slice(&self.samples[at..at + WIDTH]);
+            return out;
+        }
+        self.wrapped(first)
+    }
+
+    #[inline(never)]
+    fn wrapped(&self, first: i64) -> [f64; WIDTH] {
+        let n = self.samples.len() as i64;
+        let mut out = [0.0; WIDTH];
+        for (i, value) in out.iter_mut().enumerate() {
+            *value = self.samples[(first + i as i64).rem_euclid(n) as usize];
+        }
+        out
+    }
+}

@@ -1,0 +1,7 @@
+//! §2: the irregular sea, its envelope and its wave groups.
+
+pub mod detection;
+pub mod envelope;
+pub mod spectrum;
+pub mod wave_field;
+pub mod wave_group;

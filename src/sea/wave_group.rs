@@ -1,0 +1,34 @@
+//! Eq. (2): a wave group, a Gaussian bump of the envelope.
+//!
+//! ```text
+//! (2)  rho_i(t) ~ a_i exp(-(t - t_i)^2/(2 l_i^2))
+//! ```
+//! | paper | code | unit | meaning |
+//! |---|---|---|---|
+//! | t_i | `t_c` | s | centre |
+//! | l_i, L | `l` | s | length |
+//! | a_i, A | `a` | m | amplitude |
+//!
+//! Tested in `tests/physics/detection.rs`.
+
+use serde::{Deserialize, Serialize};
+
+/// One wave group as detected in a field's envelope.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct WaveGroup {
+    /// Centre within the field, s.
+    pub t_c: f64,
+    /// Length, s.
+    pub l: f64,
+    /// Amplitude, m.
+    pub a: f64,
+    /// Similarity C of the envelope to the Gaussian, 1 if equal.
+    pub similarity: f64,
+}
+
+/// The groups of every field of a piece.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Groups {
+    /// One list per field, sorted by t_c.
+    pub fields: Vec<Vec<WaveGroup>>,
+}
