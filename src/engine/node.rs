@@ -13,7 +13,7 @@ use crate::engine::codec;
 use crate::engine::error::Result;
 use crate::engine::fields::field_names;
 use crate::engine::read::Reader;
-use crate::engine::stage::{Artifact, Here, Keep, Pieces, Published, Select, Stage};
+use crate::engine::stage::{Here, Keep, Pieces, Published, Select, Stage};
 
 /// A decoded artifact.
 pub(crate) type Value = Arc<dyn Any + Send + Sync>;
@@ -84,7 +84,7 @@ impl<S: Stage> Node for Of<S> {
         S::KEEP
     }
     fn schema(&self) -> &'static str {
-        S::Output::SCHEMA
+        S::SCHEMA
     }
     fn is_published(&self) -> bool {
         TypeId::of::<S::Output>() == TypeId::of::<Published>()
@@ -119,7 +119,8 @@ impl<S: Stage> Node for Of<S> {
 
     fn published(&self, bytes: &[u8]) -> Result<BTreeMap<String, String>> {
         let output = codec::decode::<S::Output>(bytes)?;
-        Ok(output.published().cloned().unwrap_or_default())
+        let output: Box<dyn Any> = Box::new(output);
+        Ok(output.downcast::<Published>().map(|published| published.files).unwrap_or_default())
     }
 
     fn json(&self, bytes: &[u8]) -> Result<serde_json::Value> {

@@ -31,6 +31,8 @@ pub trait Stage: 'static {
     type Inputs: Inputs;
     /// What it makes.
     type Output: Artifact;
+    /// Name and version of the output's layout, such as `wave-groups/1`.
+    const SCHEMA: &'static str;
 
     /// Rules between parameters that one key alone cannot state; the message reads `key: expected .., found ..`.
     ///
@@ -51,16 +53,10 @@ pub trait Stage: 'static {
     ) -> Result<Self::Output>;
 }
 
-/// A value that a stage makes and the store keeps.
-pub trait Artifact: Serialize + DeserializeOwned + Send + Sync + 'static {
-    /// Name and version of the layout, such as `wave-groups/1`.
-    const SCHEMA: &'static str;
+/// A value that a stage makes and the store keeps: whatever serde can describe.
+pub trait Artifact: Serialize + DeserializeOwned + Send + Sync + 'static {}
 
-    /// The text files of a published output.
-    fn published(&self) -> Option<&BTreeMap<String, String>> {
-        None
-    }
-}
+impl<T: Serialize + DeserializeOwned + Send + Sync + 'static> Artifact for T {}
 
 /// The text files of a figure or table, by file name.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -69,15 +65,10 @@ pub struct Published {
     pub files: BTreeMap<String, String>,
 }
 
-impl Artifact for Published {
-    const SCHEMA: &'static str = "published/1";
-
-    fn published(&self) -> Option<&BTreeMap<String, String>> {
-        Some(&self.files)
-    }
-}
-
 impl Published {
+    /// The layout's name and version.
+    pub const SCHEMA: &'static str = "published/1";
+
     /// Files that share a stem, by extension.
     pub fn new<const N: usize>(stem: &str, files: [(&str, String); N]) -> Self {
         let named = files.into_iter().map(|(extension, text)| (format!("{stem}.{extension}"), text));
