@@ -2,6 +2,8 @@
 
 pub mod domain;
 pub mod elementary;
+pub mod hermite;
 pub mod lanes;
 pub mod random;
+pub mod rk4;
 pub mod sums;
