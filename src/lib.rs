@@ -4,5 +4,6 @@ pub mod cli;
 pub mod engine;
 pub mod numerics;
 pub mod sea;
+pub mod ship;
 #[path = "../stages/mod.rs"]
 pub mod stages;

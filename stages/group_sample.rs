@@ -34,6 +34,14 @@ pub struct Sample {
     pub fields: Vec<Vec<u32>>,
 }
 
+impl Sample {
+    /// The places of the drawn groups in the fields of a piece: (fields)(drawn).
+    pub fn of(&self, here: &Here<'_>) -> &[Vec<u32>] {
+        let first = here.first as usize;
+        &self.fields[first..first + here.items as usize]
+    }
+}
+
 impl Stage for GroupSample {
     const NAME: &'static str = "group_sample";
     const PAPER: &'static str = "§3";

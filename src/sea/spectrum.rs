@@ -36,7 +36,6 @@ pub enum Form {
 
 /// The table `[sea.NAME]`: one sea state.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
 pub struct Sea {
     /// Shape: "gaussian" or "jonswap".
     pub spectrum: Form,

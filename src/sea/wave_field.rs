@@ -25,7 +25,6 @@ const MOST_SAMPLES: u64 = 1 << 22;
 
 /// The table `[record]` but for its count of fields: how each field is represented.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
 pub struct Record {
     /// Length of a field, T_p.
     #[serde(deserialize_with = "domain::power_of_two")]
@@ -90,6 +89,16 @@ impl Record {
     /// Samples of the envelope in one field.
     pub fn envelope_samples(&self) -> usize {
         self.periods_per_field as usize * self.envelope_samples_per_period as usize
+    }
+
+    /// The period T_f of a field, s.
+    pub fn field_period(&self, t_p: f64) -> f64 {
+        t_p * f64::from(self.periods_per_field)
+    }
+
+    /// The RK4 step h, s: two samples of eta.
+    pub fn h(&self, t_p: f64) -> f64 {
+        self.field_period(t_p) / (self.samples() / 2) as f64
     }
 
     /// The plan by which [`WaveFields::elevation`] computes eta.

@@ -32,3 +32,11 @@ pub struct Groups {
     /// One list per field, sorted by t_c.
     pub fields: Vec<Vec<WaveGroup>>,
 }
+
+impl Groups {
+    /// (t_c in s, l in s, a in m) of every group: one list per field.
+    pub fn parameters(&self) -> impl Iterator<Item = Vec<[f64; 3]>> + '_ {
+        let of_field = |groups: &Vec<WaveGroup>| groups.iter().map(|group| [group.t_c, group.l, group.a]).collect();
+        self.fields.iter().map(of_field)
+    }
+}

@@ -29,7 +29,6 @@ use serde::{Deserialize, Serialize};
 
 /// The table `[detection]`; lengths in envelope samples.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
 pub struct Detection {
     /// Scales s = 1, 2, ... of the coarse scale space, 5 to 1024.
     #[serde(deserialize_with = "domain::count")]

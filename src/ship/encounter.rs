@@ -1,0 +1,291 @@
+//! Single encounters of the ship with wave groups, many runs side by side (Section 10): CIC, PIC and NIC.
+//!
+//! ```text
+//! (5)     eta_i(t) = a_i exp(-(t - t_i)^2 / (2 l_i^2)) cos(omega_p (t - t_i))          CIC, PIC
+//! groups  eta(t)   = cos(omega_p t) sum_j a_j exp(-(t - t_j)^2 / (2 l_j^2))            NIC, j = i - groups_ahead ..= i
+//! record  eta(t) of the field itself                                                   NIC
+//! ```
+//! The first has its carrier's zero of phase at the centre: the clock of such a run is zero there, so one formula serves
+//! both. A capsize restarts the ship; in the segment it makes r = capsize_angle. Runs of like length go together; one
+//! that has ended idles on, unobserved, until its longest neighbour has.
+//!
+//! Tested in `tests/physics/encounter.rs`: scalar twin, the table of single groups, neighbours of a capsized lane.
+
+use crate::numerics::elementary::{exp_lanes, sin_cos_lanes};
+use crate::ship::initial_condition::{RollState, predecessor};
+use crate::ship::segments::{Segment, SegmentMaxima};
+use crate::ship::simulation::{Block, COLUMNS, EPSILONS, Observer, Simulation, Span, Waves};
+use std::f64::consts::TAU;
+
+/// A wave group as the ship sees it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Encounter {
+    /// Centre, s.
+    pub t_c: f64,
+    /// Length L, s.
+    pub l: f64,
+    /// Amplitude A, m.
+    pub a: f64,
+}
+
+/// A run through reconstructed groups: on a clock of its own, whose full step 0 is the start.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GroupRun {
+    /// Time of full step 0, s; the carrier's phase is zero at time 0.
+    pub start: f64,
+    /// The groups, their centres on the same clock.
+    pub groups: Vec<Encounter>,
+    /// Where the response is looked for, in full steps from the start.
+    pub segment: Segment,
+}
+
+/// A run along the elevation of a field.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RecordRun {
+    /// Column of the field in its block of eight.
+    pub column: u32,
+    /// Full step of the record at which the ship is set at rest; may be negative.
+    pub start: i64,
+    /// Where the response is looked for, in full steps from the start.
+    pub segment: Segment,
+}
+
+/// How runs are laid out in time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Approach {
+    /// RK4 step, s.
+    pub h: f64,
+    /// Field period T_f, s.
+    pub field_period: f64,
+    /// `[truth] window`: half-width of the segment, in L.
+    pub truth_window: f64,
+    /// `[estimate] window`: start of a run ahead of its first group, in L.
+    pub estimate_window: f64,
+    /// `[nic] groups_ahead`.
+    pub groups_ahead: u32,
+}
+
+impl Approach {
+    /// CIC and PIC: one group by (5), met from `estimate_window` L ahead of it.
+    ///
+    /// A segment wider than that is cut off at the start.
+    pub fn alone(&self, group: Encounter) -> GroupRun {
+        let lead = self.estimate_window * group.l;
+        let segment = Segment::around(lead, self.truth_window * group.l, self.h);
+        GroupRun {
+            start: -lead,
+            groups: vec![Encounter { t_c: 0.0, ..group }],
+            segment: segment.within(0, segment.last),
+        }
+    }
+
+    /// NIC `groups`: group i of a field behind its predecessors, on the record's clock.
+    pub fn through_groups(&self, groups: &[Encounter], i: usize) -> GroupRun {
+        let start = self.natural_start(groups, i);
+        let ahead = self.groups_ahead as usize;
+        GroupRun {
+            start: start as f64 * self.h,
+            groups: (0..=ahead)
+                .rev()
+                .map(|k| predecessor(groups, i, k, self.field_period))
+                .collect(),
+            segment: self.segment(groups[i]).since(start),
+        }
+    }
+
+    /// NIC `record`: group i of the field in this column.
+    pub fn through_record(&self, column: u32, groups: &[Encounter], i: usize) -> RecordRun {
+        let start = self.natural_start(groups, i);
+        RecordRun {
+            column,
+            start,
+            segment: self.segment(groups[i]).since(start),
+        }
+    }
+
+    fn segment(&self, group: Encounter) -> Segment {
+        Segment::around(group.t_c, self.truth_window * group.l, self.h)
+    }
+
+    /// Where NIC starts at rest: `estimate_window` L ahead of the first predecessor or where the segment starts, whichever
+    /// is earlier, rounded down to a full step.
+    fn natural_start(&self, groups: &[Encounter], i: usize) -> i64 {
+        let first = predecessor(groups, i, self.groups_ahead as usize, self.field_period);
+        let ahead = first.t_c - self.estimate_window * first.l;
+        let opening = groups[i].t_c - self.truth_window * groups[i].l;
+        let start = if ahead < opening { ahead } else { opening };
+        ((start / self.h).floor() as i64).min(self.segment(groups[i]).first)
+    }
+}
+
+/// The largest roll of each run through groups, `[epsilon_1][run]`, in rad; `t_p` is the carrier's period in s.
+///
+/// `initial` holds the states `[epsilon_1][run]` at the start, or nothing: at rest.
+pub fn max_roll_through_groups(
+    simulation: &Simulation,
+    t_p: f64,
+    runs: &[GroupRun],
+    initial: &[Vec<RollState>],
+) -> Vec<Vec<f64>> {
+    let segments: Vec<Segment> = runs.iter().map(|run| run.segment).collect();
+    side_by_side(simulation, &segments, initial, |members| {
+        GroupWaves::new(members.map(|run| &runs[run]), TAU / t_p, simulation.h)
+    })
+}
+
+/// The largest roll of each run along the record of eight fields, `[epsilon_1][run]`, in rad.
+///
+/// `eta` is one field period (samples, 8), two samples a step.
+pub fn max_roll_along_record(simulation: &Simulation, eta: &[[f64; COLUMNS]], runs: &[RecordRun]) -> Vec<Vec<f64>> {
+    let segments: Vec<Segment> = runs.iter().map(|run| run.segment).collect();
+    side_by_side(simulation, &segments, &[], |members| RecordWaves {
+        eta,
+        runs: members.map(|run| runs[run]),
+    })
+}
+
+/// Integrates runs eight at a time, sorted by length; `waves_of` gives the waves of eight of them.
+fn side_by_side<W: Waves>(
+    simulation: &Simulation,
+    segments: &[Segment],
+    initial: &[Vec<RollState>],
+    waves_of: impl Fn([usize; COLUMNS]) -> W,
+) -> Vec<Vec<f64>> {
+    let epsilon_1 = &simulation.ship.epsilon_1;
+    let mut r = vec![vec![0.0; segments.len()]; epsilon_1.len()];
+    let mut order: Vec<usize> = (0..segments.len()).collect();
+    order.sort_by_key(|run| segments[*run].last);
+    for eight in order.chunks(COLUMNS) {
+        // Columns left over repeat the longest run.
+        let members: [usize; COLUMNS] = std::array::from_fn(|column| eight[column.min(eight.len() - 1)]);
+        let waves = waves_of(members);
+        let columns: Vec<Vec<Segment>> = eight.iter().map(|run| vec![segments[*run]]).collect();
+        let span = Span {
+            steps: 0..segments[members[COLUMNS - 1]].last,
+            cuts: [0; 2],
+        };
+        for first in (0..epsilon_1.len()).step_by(EPSILONS) {
+            let last = (first + EPSILONS).min(epsilon_1.len());
+            let states: Vec<RollState> = initial
+                .iter()
+                .take(last)
+                .skip(first)
+                .flat_map(|states| members.map(|run| states[run]))
+                .collect();
+            let mut observer = RunObserver(SegmentMaxima::new(&columns, last - first));
+            simulation.integrate(&epsilon_1[first..last], &states, &span, &waves, &mut observer);
+            for (e, columns) in observer.0.r.iter().enumerate() {
+                for (run, found) in eight.iter().zip(columns) {
+                    r[first + e][*run] = found[0];
+                }
+            }
+        }
+    }
+    r
+}
+
+struct RunObserver<'a>(SegmentMaxima<'a>);
+
+impl Observer for RunObserver<'_> {
+    #[inline(always)]
+    fn needs_maxima(&self, end: i64) -> bool {
+        self.0.is_open(end)
+    }
+
+    #[inline(always)]
+    fn observe<const L: usize>(&mut self, step: i64, block: &Block<L>) {
+        if self.0.is_open(step + block.n as i64) {
+            self.0.gather(step, block);
+        }
+    }
+
+    #[inline(always)]
+    fn finish<const L: usize>(&mut self) {
+        self.0.settle::<L>();
+    }
+}
+
+/// Columns that follow the record, each from a start of its own.
+struct RecordWaves<'a> {
+    eta: &'a [[f64; COLUMNS]],
+    runs: [RecordRun; COLUMNS],
+}
+
+impl Waves for RecordWaves<'_> {
+    #[inline(always)]
+    fn fill(&self, step: i64, rows: &mut [[f64; COLUMNS]]) {
+        let samples = self.eta.len();
+        for (column, run) in self.runs.iter().enumerate() {
+            let mut j = (2 * (run.start + step)).rem_euclid(samples as i64) as usize;
+            for row in &mut *rows {
+                row[column] = self.eta[j][run.column as usize];
+                j = if j + 1 < samples { j + 1 } else { 0 };
+            }
+        }
+    }
+}
+
+/// One Gaussian group per column.
+#[derive(Clone, Copy, Default)]
+struct Bumps {
+    t_c: [f64; COLUMNS],
+    inverse_l: [f64; COLUMNS],
+    a: [f64; COLUMNS],
+}
+
+/// Columns of reconstructed groups on a carrier.
+struct GroupWaves {
+    omega_p: f64,
+    half_step: f64,
+    start: [f64; COLUMNS],
+    bumps: Vec<Bumps>,
+}
+
+impl GroupWaves {
+    fn new(runs: [&GroupRun; COLUMNS], omega_p: f64, h: f64) -> Self {
+        let most = runs.iter().map(|run| run.groups.len()).max().unwrap_or(0);
+        let mut bumps = vec![Bumps::default(); most];
+        for (column, run) in runs.iter().enumerate() {
+            for (bump, group) in bumps.iter_mut().zip(&run.groups) {
+                bump.t_c[column] = group.t_c;
+                bump.inverse_l[column] = 1.0 / group.l;
+                bump.a[column] = group.a;
+            }
+        }
+        Self {
+            omega_p,
+            half_step: 0.5 * h,
+            start: runs.map(|run| run.start),
+            bumps,
+        }
+    }
+}
+
+impl Waves for GroupWaves {
+    #[inline(always)]
+    fn fill(&self, step: i64, rows: &mut [[f64; COLUMNS]]) {
+        for (k, row) in rows.iter_mut().enumerate() {
+            let elapsed = (2 * step + k as i64) as f64 * self.half_step;
+            let [mut t, mut phase, mut rho] = [[0.0; COLUMNS]; 3];
+            for i in 0..COLUMNS {
+                t[i] = self.start[i] + elapsed;
+                phase[i] = self.omega_p * t[i];
+            }
+            for bump in &self.bumps {
+                let mut exponent = [0.0; COLUMNS];
+                for i in 0..COLUMNS {
+                    let u = (t[i] - bump.t_c[i]) * bump.inverse_l[i];
+                    exponent[i] = -0.5 * u * u;
+                }
+                let gaussian = exp_lanes(exponent);
+                for i in 0..COLUMNS {
+                    rho[i] += bump.a[i] * gaussian[i];
+                }
+            }
+            let (_, carrier) = sin_cos_lanes(phase);
+            for i in 0..COLUMNS {
+                row[i] = rho[i] * carrier[i];
+            }
+        }
+    }
+}

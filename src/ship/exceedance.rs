@@ -1,0 +1,161 @@
+//! Exceedance probability per wave group: Eqs. (1), (3) and (4), which are all means over groups, and its standard error.
+//!
+//! ```text
+//! (1)  P = (1/n) sum_i I(r_i > theta_t)
+//! (T1) s.e.^2 = sum_f (c_f - P n_f)^2 / n^2      c_f exceedances among the n_f groups of field f
+//! (R1) sd / P = sqrt((1 - P) / (n P))            n groups drawn at random
+//! ```
+//! Groups of one field are not independent, fields are. Counts are whole numbers and add up exactly, piece by piece.
+//! Tested in `tests/physics/exceedance.rs` on data made by hand and against seeded sampling.
+
+use crate::numerics::domain;
+use serde::{Deserialize, Serialize};
+
+/// The most thresholds a curve may have.
+const MOST: f64 = 10_000.0;
+
+/// The thresholds theta_t of a curve: from, from + step, .. up to `to`, in rad.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Thresholds {
+    /// The first threshold, rad.
+    #[serde(deserialize_with = "domain::non_negative")]
+    pub from: f64,
+    /// The last threshold, rad, if the steps meet it.
+    #[serde(deserialize_with = "domain::positive")]
+    pub to: f64,
+    /// Distance of neighbours, rad.
+    #[serde(deserialize_with = "domain::positive")]
+    pub step: f64,
+}
+
+impl Thresholds {
+    /// Checks that the thresholds ascend and are not absurdly many.
+    pub fn check(&self) -> Result<(), String> {
+        let Self { from, to, step } = self;
+        if to < from {
+            return Err(format!("to: expected a number from {from} (`from`), found {to}"));
+        }
+        if (to - from) / step >= MOST {
+            return Err(format!("step: expected at most {MOST} thresholds, found a step of {step}"));
+        }
+        Ok(())
+    }
+
+    /// The thresholds, as the decimal numbers they are written as (rounded to 1e-12).
+    pub fn values(&self) -> Vec<f64> {
+        let count = ((self.to - self.from) / self.step + 1e-9).floor() as u32 + 1;
+        (0..count)
+            .map(|i| ((self.from + f64::from(i) * self.step) * 1e12).round() / 1e12)
+            .collect()
+    }
+}
+
+/// A line of Figure 3: exceedance probability of one method against the threshold.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Curve {
+    /// truth, cic, pic, nic or nic_groups.
+    pub method: String,
+    /// The parametric excitation, 1/(m s^2).
+    pub epsilon_1: f64,
+    /// Thresholds, rad.
+    pub theta_t: Vec<f64>,
+    /// P(r > theta_t) per threshold; empty if n = 0.
+    pub probability: Vec<f64>,
+    /// Standard error of each probability by (T1); empty if n = 0.
+    pub standard_error: Vec<f64>,
+    /// Number of groups.
+    pub n: u64,
+}
+
+/// Exceedances counted field by field: all that Eq. (1) and (T1) need, exact, and mergeable in any order.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Exceedances {
+    /// Number of groups, n = sum of n_f.
+    pub n: u64,
+    /// Sum of n_f^2.
+    pub n_n: u64,
+    /// Sum of c_f, per threshold.
+    pub c: Vec<u64>,
+    /// Sum of c_f^2, per threshold.
+    pub c_c: Vec<u64>,
+    /// Sum of c_f n_f, per threshold.
+    pub c_n: Vec<u64>,
+}
+
+impl Exceedances {
+    /// Nothing counted yet, for so many thresholds.
+    pub fn none(thresholds: usize) -> Self {
+        Self {
+            n: 0,
+            n_n: 0,
+            c: vec![0; thresholds],
+            c_c: vec![0; thresholds],
+            c_n: vec![0; thresholds],
+        }
+    }
+
+    /// Counts the responses of some fields.
+    pub fn of_fields<'a>(theta_t: &[f64], fields: impl IntoIterator<Item = &'a [f64]>) -> Self {
+        let mut counts = Self::none(theta_t.len());
+        for r in fields {
+            counts.add_field(theta_t, r);
+        }
+        counts
+    }
+
+    /// Counts the responses of one field.
+    pub fn add_field(&mut self, theta_t: &[f64], r: &[f64]) {
+        let n_f = r.len() as u64;
+        self.n += n_f;
+        self.n_n += n_f * n_f;
+        for (k, level) in theta_t.iter().enumerate() {
+            let c_f = r.iter().filter(|r| *r > level).count() as u64;
+            self.c[k] += c_f;
+            self.c_c[k] += c_f * c_f;
+            self.c_n[k] += c_f * n_f;
+        }
+    }
+
+    /// Adds what was counted elsewhere, over the same thresholds and other fields.
+    pub fn merge(&mut self, other: &Self) {
+        self.n += other.n;
+        self.n_n += other.n_n;
+        let rows = [(&mut self.c, &other.c), (&mut self.c_c, &other.c_c), (&mut self.c_n, &other.c_n)];
+        for (mine, theirs) in rows {
+            for (a, b) in mine.iter_mut().zip(theirs) {
+                *a += b;
+            }
+        }
+    }
+
+    /// Eq. (1): the share of groups above threshold k; none of no groups.
+    pub fn probability(&self, k: usize) -> Option<f64> {
+        (self.n > 0).then(|| self.c[k] as f64 / self.n as f64)
+    }
+
+    /// (T1): the standard error by fields of the probability at threshold k; none of no groups.
+    pub fn standard_error(&self, k: usize) -> Option<f64> {
+        let [n, n_n, c, c_c, c_n] = [self.n, self.n_n, self.c[k], self.c_c[k], self.c_n[k]].map(i128::from);
+        // The sum of (n c_f - c n_f)^2, n^2 times that of (T1), without rounding.
+        let squares = n * n * c_c - 2 * n * c * c_n + c * c * n_n;
+        let n = self.n as f64;
+        (self.n > 0).then(|| (squares as f64).sqrt() / (n * n))
+    }
+
+    /// The curve of a method; without probabilities if there are no groups.
+    pub fn curve(&self, method: &str, epsilon_1: f64, theta_t: &[f64]) -> Curve {
+        Curve {
+            method: method.to_string(),
+            epsilon_1,
+            theta_t: theta_t.to_vec(),
+            probability: (0..theta_t.len()).filter_map(|k| self.probability(k)).collect(),
+            standard_error: (0..theta_t.len()).filter_map(|k| self.standard_error(k)).collect(),
+            n: self.n,
+        }
+    }
+}
+
+/// (R1): the standard deviation of a probability p estimated from n groups drawn at random; none for n = 0.
+pub fn random_sampling_sd(p: f64, n: u64) -> Option<f64> {
+    (n > 0).then(|| (p * (1.0 - p) / n as f64).sqrt())
+}

@@ -1,0 +1,91 @@
+//! Initial conditions of a ship that meets a wave group: at rest (CIC), pre-computed (PIC), natural (NIC).
+//!
+//! | method | starts | in the state |
+//! |---|---|---|
+//! | CIC | `[estimate] window` L before the centre | at rest |
+//! | PIC | there too | a pair drawn from an ensemble of continuous roll |
+//! | NIC | `groups_ahead` groups earlier | at rest; the waves bring the state |
+//!
+//! The three tables `[estimate]`, `[pic]`, `[nic]`, the size of PIC's ensemble, and NIC's predecessors.
+//! Tested in `tests/physics/encounter.rs`.
+
+use crate::numerics::domain;
+use crate::ship::encounter::Encounter;
+use serde::{Deserialize, Serialize};
+
+/// A state of roll.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct RollState {
+    /// Roll angle, rad.
+    pub theta: f64,
+    /// Roll velocity, rad/s.
+    pub theta_dot: f64,
+}
+
+/// The `[estimate]` table.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Estimate {
+    /// Random groups per case for CIC, PIC and NIC.
+    #[serde(deserialize_with = "domain::count")]
+    pub samples: u32,
+    /// A single-group run starts this many L before the centre.
+    #[serde(deserialize_with = "domain::positive")]
+    pub window: f64,
+}
+
+/// The `[pic]` table.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Pic {
+    /// T_p of continuous roll from which initial conditions are drawn.
+    #[serde(deserialize_with = "domain::count")]
+    pub periods: u32,
+}
+
+impl Pic {
+    /// How many fields the ensemble takes, the last one perhaps in part; at most all there are.
+    pub fn fields(&self, periods_per_field: u32, fields: u32) -> u32 {
+        self.periods.div_ceil(periods_per_field).min(fields)
+    }
+
+    /// How many states the ensemble takes of field f, given so many per T_p.
+    pub fn states_of_field(&self, f: u32, periods_per_field: u32, per_period: u32) -> usize {
+        let before = u64::from(f) * u64::from(periods_per_field);
+        let left = u64::from(self.periods).saturating_sub(before);
+        (left.min(u64::from(periods_per_field)) * u64::from(per_period)) as usize
+    }
+}
+
+/// The waves that NIC runs on (Decision 7).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum NicInput {
+    /// The original elevation of the record.
+    Record,
+    /// Reconstructed Gaussian groups on a common carrier.
+    Groups,
+}
+
+/// The `[nic]` table.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Nic {
+    /// How many groups earlier a run starts.
+    #[serde(deserialize_with = "domain::count")]
+    pub groups_ahead: u32,
+    /// The waves of the run.
+    pub input: NicInput,
+}
+
+/// The group `ahead` places before group i of a field, on a record that repeats with `field_period` s.
+///
+/// Predecessors of the first groups are the last ones, one period earlier; a field with too few groups is gone round
+/// as often as needed, so that a single group follows its own image.
+pub fn predecessor(groups: &[Encounter], i: usize, ahead: usize, field_period: f64) -> Encounter {
+    let place = i as i64 - ahead as i64;
+    let n = groups.len() as i64;
+    let group = groups[place.rem_euclid(n) as usize];
+    let rounds = place.div_euclid(n) as f64;
+    Encounter {
+        t_c: group.t_c + rounds * field_period,
+        ..group
+    }
+}

@@ -1,0 +1,11 @@
+//! Roll of the ship: the equation, the truth along a record, single runs through wave groups, exceedance.
+
+pub mod continuous_roll;
+pub mod encounter;
+pub mod exceedance;
+pub mod initial_condition;
+pub mod response;
+pub mod sample;
+pub mod roll_equation;
+pub mod segments;
+pub mod simulation;

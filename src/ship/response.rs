@@ -1,0 +1,115 @@
+//! What counts as the response to a wave group: the `[truth]` table, and the roll that one field leaves behind (Eq. 1).
+//!
+//! | paper | code | unit | meaning |
+//! |---|---|---|---|
+//! | r_i | r | rad | maximum roll in the segment of group i |
+//! | - | window | L | half-width of a group's segment (Decision 4) |
+//! | - | capsize_angle | rad | beyond it the ship has capsized (Decision 5) |
+//!
+//! A capsize is a value: the groups whose segment holds it have r = capsize_angle, which exceeds every threshold.
+
+use crate::numerics::{domain, sums};
+use serde::{Deserialize, Serialize};
+
+/// Which roll is compared with a threshold.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Roll {
+    /// max |theta|.
+    Absolute,
+    /// max theta; a capsize to either side counts.
+    Signed,
+}
+
+/// What a capsize does to the statistics.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Capsize {
+    /// The ship is set upright at rest and goes on; the group exceeds every threshold.
+    Restart,
+    /// The whole field leaves the statistics.
+    DiscardField,
+}
+
+fn temporal_level() -> f64 {
+    0.25
+}
+
+/// The `[truth]` table.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Truth {
+    /// Half-width of a group's segment, in L.
+    #[serde(deserialize_with = "domain::positive")]
+    pub window: f64,
+    /// Absolute or signed roll.
+    pub roll: Roll,
+    /// |theta| beyond which the ship has capsized, rad.
+    #[serde(deserialize_with = "domain::positive")]
+    pub capsize_angle: f64,
+    /// What a capsize does.
+    pub capsize: Capsize,
+    /// Level of |theta| whose share of time is reported, rad; 0.25 unless given.
+    #[serde(default = "temporal_level", deserialize_with = "domain::positive")]
+    pub temporal_level: f64,
+}
+
+impl Truth {
+    /// Checks that the temporal level lies below the capsize angle.
+    ///
+    /// # Errors
+    /// `key: expected .., found ..`.
+    pub fn check(&self) -> Result<(), String> {
+        let limit = self.capsize_angle;
+        if self.temporal_level >= limit {
+            let level = self.temporal_level;
+            return Err(format!("temporal_level: expected a number below capsize_angle = {limit}, found {level}"));
+        }
+        Ok(())
+    }
+}
+
+/// What one field's roll leaves behind at one epsilon_1.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Response {
+    /// r_i of each group of the field, rad, in the order of the groups; empty if the field is dropped.
+    pub r: Vec<f64>,
+    /// Capsizes in [0, T_f).
+    pub capsizes: u32,
+    /// Share of the time in [0, T_f) with |theta| above the temporal level.
+    pub time_above: f64,
+    /// True if the field leaves the statistics: a capsize anywhere in its run, lead-in and tail included, under
+    /// `discard_field`.
+    pub dropped: bool,
+}
+
+impl Response {
+    /// The number of groups whose segment holds a capsize.
+    pub fn capsized_groups(&self, capsize_angle: f64) -> usize {
+        self.r.iter().filter(|r| **r >= capsize_angle).count()
+    }
+}
+
+/// Mean and spread of some responses: a point of Figure 4.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Moments {
+    /// The mean, rad.
+    pub mean: f64,
+    /// The population standard deviation, rad.
+    pub standard_deviation: f64,
+    /// The number of responses.
+    pub n: u64,
+}
+
+impl Moments {
+    /// The moments of some responses; none of none.
+    pub fn of(r: &[f64]) -> Option<Self> {
+        if r.is_empty() {
+            return None;
+        }
+        Some(Self {
+            mean: sums::mean(r),
+            standard_deviation: sums::standard_deviation(r),
+            n: r.len() as u64,
+        })
+    }
+}

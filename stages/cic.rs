@@ -1,0 +1,59 @@
+//! §3.1 Constant initial condition (CIC): the ship meets each reconstructed group, Eq. (5), at rest. Eq. (3).
+
+use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
+
+use crate::engine::arrow::{Each, One};
+use crate::engine::error::Result;
+use crate::engine::stage::{Here, Pieces, Stage};
+use crate::sea::spectrum::Sea;
+use crate::sea::wave_field::Record;
+use crate::sea::wave_group::Groups;
+use crate::ship::encounter::{Approach, GroupRun, max_roll_through_groups};
+use crate::ship::initial_condition::Estimate;
+use crate::ship::response::Truth;
+use crate::ship::roll_equation::Ship;
+use crate::ship::sample::{SampledResponses, Selection};
+use crate::ship::simulation::Simulation;
+use crate::stages::group_detection::GroupDetection;
+use crate::stages::group_sample::{GroupSample, Sample};
+
+/// r(a, l): a number, since nothing about the encounter is random.
+pub struct Cic;
+
+/// Parameters of CIC.
+#[derive(Serialize, Deserialize)]
+pub struct Params {
+    ship: Ship,
+    sea: Sea,
+    record: Record,
+    truth: Truth,
+    estimate: Estimate,
+}
+
+impl Stage for Cic {
+    const NAME: &'static str = "cic";
+    const PAPER: &'static str = "§3.1";
+    const PIECES: Pieces = Pieces::AsUpstream;
+    const SCHEMA: &'static str = "sampled-responses/1";
+    type Params = Params;
+    type Inputs = (Each<GroupDetection>, One<GroupSample>);
+    type Output = SampledResponses;
+
+    fn run(p: &Params, (groups, sample): (Arc<Groups>, Arc<Sample>), here: Here<'_>) -> Result<SampledResponses> {
+        let selection = Selection::new(groups.parameters(), sample.of(&here));
+        let t_p = p.sea.peak_period;
+        let approach = Approach {
+            h: p.record.h(t_p),
+            field_period: p.record.field_period(t_p),
+            truth_window: p.truth.window,
+            estimate_window: p.estimate.window,
+            groups_ahead: 0,
+        };
+        let runs: Vec<GroupRun> = selection.encounters().map(|group| approach.alone(group)).collect();
+        let simulation = Simulation::new(&p.ship, &p.truth, approach.h);
+        let r = max_roll_through_groups(&simulation, t_p, &runs, &[]);
+        Ok(selection.responses(&p.ship.epsilon_1, &r))
+    }
+}

@@ -1,0 +1,84 @@
+//! §3 Ground truth: the continuous roll of a ship along the whole record, and its response to every wave group, Eq. (1).
+//!
+//! All epsilon_1 of the ship roll on the same elevation while it is in cache; the series themselves are never kept.
+
+use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
+
+use crate::engine::arrow::Each;
+use crate::engine::error::Result;
+use crate::engine::stage::{Here, Pieces, Stage};
+use crate::numerics::fourier::WIDTH;
+use crate::sea::wave_field::{Record, WaveFields};
+use crate::sea::wave_group::Groups;
+use crate::ship::continuous_roll::{Timing, continuous_record};
+use crate::ship::response::{Response, Truth};
+use crate::ship::roll_equation::Ship;
+use crate::ship::sample::Selection;
+use crate::ship::simulation::Simulation;
+use crate::stages::group_detection::GroupDetection;
+use crate::stages::wave_synthesis::WaveSynthesis;
+
+/// (6) along the record.
+pub struct GroundTruth;
+
+/// Parameters of the ground truth.
+#[derive(Serialize, Deserialize)]
+pub struct Params {
+    ship: Ship,
+    record: Record,
+    truth: Truth,
+    detection: Longest,
+}
+
+/// The part of `[detection]` that says how far past its field a segment may reach.
+#[derive(Serialize, Deserialize)]
+pub struct Longest {
+    /// Longest group, envelope samples.
+    longest: f64,
+}
+
+/// Responses of the fields of a piece.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Truths {
+    /// The ship's epsilon_1, 1/(m s^2).
+    pub epsilon_1: Vec<f64>,
+    /// (epsilon_1)(fields).
+    pub fields: Vec<Vec<Response>>,
+}
+
+impl Stage for GroundTruth {
+    const NAME: &'static str = "ground_truth";
+    const PAPER: &'static str = "§3";
+    const PIECES: Pieces = Pieces::AsUpstream;
+    const SCHEMA: &'static str = "ground-truth/1";
+    type Params = Params;
+    type Inputs = (Each<WaveSynthesis>, Each<GroupDetection>);
+    type Output = Truths;
+
+    fn check(p: &Params) -> std::result::Result<(), String> {
+        p.ship.check().map_err(|why| format!("ship.{why}"))?;
+        p.truth.check().map_err(|why| format!("truth.{why}"))
+    }
+
+    fn run(p: &Params, (waves, groups): (Arc<WaveFields>, Arc<Groups>), _: Here<'_>) -> Result<Truths> {
+        let samples = p.record.samples();
+        let spacing = waves.t_p / f64::from(p.record.envelope_samples_per_period);
+        let reach = p.truth.window * p.detection.longest * spacing;
+        let timing = Timing::new(p.record.field_period(waves.t_p), samples as u32, p.record.lead_in, reach);
+        let simulation = Simulation::new(&p.ship, &p.truth, timing.h);
+        let encounters = Selection::new(groups.parameters(), &[]).groups;
+        let mut synthesis = p.record.synthesis();
+        let mut eta = vec![[0.0; WIDTH]; samples];
+        let mut fields = vec![Vec::new(); p.ship.epsilon_1.len()];
+        for (block, encounters) in encounters.chunks(WIDTH).enumerate() {
+            waves.elevation(block * WIDTH, &mut synthesis, &mut eta);
+            let responses = continuous_record(&simulation, &timing, &eta, encounters);
+            for (all, own) in fields.iter_mut().zip(responses) {
+                all.extend(own);
+            }
+        }
+        Ok(Truths { epsilon_1: p.ship.epsilon_1.clone(), fields })
+    }
+}

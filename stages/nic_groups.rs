@@ -1,0 +1,70 @@
+//! §3.3 NIC on reconstructed groups: the same start as NIC, but the waves on the way are the Gaussian groups themselves on a
+//! common carrier, as Eq. (5) says. Figure 3 shows it dashed.
+
+use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
+
+use crate::engine::arrow::{Each, One};
+use crate::engine::error::Result;
+use crate::engine::stage::{Here, Pieces, Stage};
+use crate::sea::spectrum::Sea;
+use crate::sea::wave_field::Record;
+use crate::sea::wave_group::Groups;
+use crate::ship::encounter::{Approach, GroupRun, max_roll_through_groups};
+use crate::ship::initial_condition::Estimate;
+use crate::ship::response::Truth;
+use crate::ship::roll_equation::Ship;
+use crate::ship::sample::{SampledResponses, Selection};
+use crate::ship::simulation::Simulation;
+use crate::stages::group_detection::GroupDetection;
+use crate::stages::group_sample::{GroupSample, Sample};
+
+/// R(a, l) by the groups ahead.
+pub struct NicGroups;
+
+/// Parameters of NIC on groups.
+#[derive(Serialize, Deserialize)]
+pub struct Params {
+    ship: Ship,
+    sea: Sea,
+    record: Record,
+    truth: Truth,
+    estimate: Estimate,
+    nic: GroupsAhead,
+}
+
+/// The part of `[nic]` that both inputs share.
+#[derive(Serialize, Deserialize)]
+pub struct GroupsAhead {
+    /// How many groups earlier a run starts.
+    #[serde(deserialize_with = "crate::numerics::domain::count")]
+    groups_ahead: u32,
+}
+
+impl Stage for NicGroups {
+    const NAME: &'static str = "nic_groups";
+    const PAPER: &'static str = "§3.3";
+    const PIECES: Pieces = Pieces::AsUpstream;
+    const SCHEMA: &'static str = "sampled-responses/1";
+    type Params = Params;
+    type Inputs = (Each<GroupDetection>, One<GroupSample>);
+    type Output = SampledResponses;
+
+    fn run(p: &Params, (groups, sample): (Arc<Groups>, Arc<Sample>), here: Here<'_>) -> Result<SampledResponses> {
+        let selection = Selection::new(groups.parameters(), sample.of(&here));
+        let t_p = p.sea.peak_period;
+        let approach = Approach {
+            h: p.record.h(t_p),
+            field_period: p.record.field_period(t_p),
+            truth_window: p.truth.window,
+            estimate_window: p.estimate.window,
+            groups_ahead: p.nic.groups_ahead,
+        };
+        let through = |(field, place): (usize, usize)| approach.through_groups(&selection.groups[field], place);
+        let runs: Vec<GroupRun> = selection.sampled().map(through).collect();
+        let simulation = Simulation::new(&p.ship, &p.truth, approach.h);
+        let r = max_roll_through_groups(&simulation, t_p, &runs, &[]);
+        Ok(selection.responses(&p.ship.epsilon_1, &r))
+    }
+}

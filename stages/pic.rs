@@ -1,0 +1,78 @@
+//! §3.2 Pre-computed initial condition (PIC): each reconstructed group, Eq. (5), is met in a state drawn from the ensemble
+//! of continuous roll. Eq. (4).
+
+use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
+
+use crate::engine::arrow::{Each, One};
+use crate::engine::error::Result;
+use crate::engine::stage::{Here, Pieces, Stage};
+use crate::numerics::random;
+use crate::sea::spectrum::Sea;
+use crate::sea::wave_field::Record;
+use crate::sea::wave_group::Groups;
+use crate::ship::encounter::{Approach, GroupRun, max_roll_through_groups};
+use crate::ship::initial_condition::{Estimate, RollState};
+use crate::ship::response::Truth;
+use crate::ship::roll_equation::Ship;
+use crate::ship::sample::{SampledResponses, Selection};
+use crate::ship::simulation::Simulation;
+use crate::stages::group_detection::GroupDetection;
+use crate::stages::group_sample::{GroupSample, Sample};
+use crate::stages::roll_ensemble::{Ensemble, RollEnsemble};
+
+/// R(a, l) by the ensemble.
+pub struct Pic;
+
+/// Parameters of PIC.
+#[derive(Serialize, Deserialize)]
+pub struct Params {
+    ship: Ship,
+    sea: Sea,
+    record: Record,
+    truth: Truth,
+    estimate: Estimate,
+}
+
+impl Stage for Pic {
+    const NAME: &'static str = "pic";
+    const PAPER: &'static str = "§3.2";
+    const PIECES: Pieces = Pieces::AsUpstream;
+    const SCHEMA: &'static str = "sampled-responses/1";
+    type Params = Params;
+    type Inputs = (Each<GroupDetection>, One<GroupSample>, One<RollEnsemble>);
+    type Output = SampledResponses;
+
+    fn run(
+        p: &Params,
+        (groups, sample, ensemble): (Arc<Groups>, Arc<Sample>, Arc<Ensemble>),
+        here: Here<'_>,
+    ) -> Result<SampledResponses> {
+        let selection = Selection::new(groups.parameters(), sample.of(&here));
+        let t_p = p.sea.peak_period;
+        let approach = Approach {
+            h: p.record.h(t_p),
+            field_period: p.record.field_period(t_p),
+            truth_window: p.truth.window,
+            estimate_window: p.estimate.window,
+            groups_ahead: 0,
+        };
+        let runs: Vec<GroupRun> = selection.encounters().map(|group| approach.alone(group)).collect();
+        let draws = draws(&selection, &here, ensemble.states[0].len());
+        let initial: Vec<Vec<RollState>> =
+            ensemble.states.iter().map(|states| draws.iter().map(|draw| states[*draw]).collect()).collect();
+        let simulation = Simulation::new(&p.ship, &p.truth, approach.h);
+        let r = max_roll_through_groups(&simulation, t_p, &runs, &initial);
+        Ok(selection.responses(&p.ship.epsilon_1, &r))
+    }
+}
+
+/// A place in the ensemble for each sampled group. Every group of a field draws one, sampled or not, so that another
+/// sample does not shuffle them; all epsilon_1 take the same place.
+fn draws(selection: &Selection<'_>, here: &Here<'_>, ensemble: usize) -> Vec<usize> {
+    let of_field = |(groups, mut stream): (usize, _)| (0..groups).map(move |_| random::below(&mut stream, ensemble)).collect();
+    let counts = selection.groups.iter().map(Vec::len);
+    let all: Vec<Vec<usize>> = counts.zip(here.streams()).map(of_field).collect();
+    selection.sampled().map(|(field, place)| all[field][place]).collect()
+}

@@ -1,0 +1,177 @@
+//! §3.4 Moments of R(a, l): mean and standard deviation of the response to groups of one size, by the four methods (Figure 4).
+//!
+//! Truth and NIC are taken over the groups in a bin; CIC and the waves of PIC at the bin's centre, so that CIC's spread is
+//! that of r(a, l) at a point.
+
+use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
+
+use crate::engine::arrow::{All, One, PiecesOf};
+use crate::engine::error::Result;
+use crate::engine::stage::{Here, Select, Stage};
+use crate::sea::spectrum::Sea;
+use crate::sea::wave_field::Record;
+use crate::ship::encounter::{Approach, Encounter, GroupRun, max_roll_through_groups};
+use crate::ship::initial_condition::Estimate;
+use crate::ship::response::{Moments, Truth};
+use crate::ship::roll_equation::Ship;
+use crate::ship::simulation::Simulation;
+use crate::stages::SEA;
+use crate::stages::group_detection::GroupDetection;
+use crate::stages::ground_truth::GroundTruth;
+use crate::stages::nic::Nic;
+use crate::stages::roll_ensemble::{Ensemble, RollEnsemble};
+
+/// Mean and spread of R(a, l).
+pub struct ResponseMoments;
+
+/// Parameters of the moments.
+#[derive(Serialize, Deserialize)]
+pub struct Params {
+    ship: Ship,
+    sea: Sea,
+    record: Record,
+    truth: Truth,
+    estimate: Estimate,
+    moments: Bins,
+}
+
+/// The `[moments]` table, but for the sea.
+#[derive(Serialize, Deserialize)]
+pub struct Bins {
+    /// (L/T_p, A/H_s) of each column of Figure 4.
+    groups: Vec<[f64; 2]>,
+    /// Half-widths of the bin around each, same units.
+    half_width: [f64; 2],
+}
+
+/// One point of Figure 4.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Point {
+    /// epsilon_1, 1/(m s^2).
+    pub epsilon_1: f64,
+    /// (L/T_p, A/H_s).
+    pub group: [f64; 2],
+    /// truth, cic, pic or nic.
+    pub method: String,
+    /// Mean, spread and number of responses; none if the bin is empty.
+    pub moments: Option<Moments>,
+}
+
+impl Stage for ResponseMoments {
+    const NAME: &'static str = "response_moments";
+    const PAPER: &'static str = "§3.4";
+    const SELECTS: &'static [Select] = &[Select::At(SEA, "moments.sea")];
+    const SCHEMA: &'static str = "response-moments/1";
+    type Params = Params;
+    type Inputs = (All<GroupDetection>, All<GroundTruth>, All<Nic>, One<RollEnsemble>);
+    type Output = Vec<Point>;
+
+    fn check(p: &Params) -> std::result::Result<(), String> {
+        let positive = |pair: &[f64; 2]| pair.iter().all(|x| x.is_finite() && *x > 0.0);
+        if p.moments.groups.is_empty() || !p.moments.groups.iter().all(positive) {
+            return Err(format!("moments.groups: expected pairs of numbers > 0, found {:?}", p.moments.groups));
+        }
+        if !positive(&p.moments.half_width) {
+            return Err(format!("moments.half_width: expected two numbers > 0, found {:?}", p.moments.half_width));
+        }
+        Ok(())
+    }
+
+    fn run(
+        p: &Params,
+        (groups, truth, nic, ensemble): (
+            PiecesOf<'_, GroupDetection>,
+            PiecesOf<'_, GroundTruth>,
+            PiecesOf<'_, Nic>,
+            Arc<Ensemble>,
+        ),
+        _: Here<'_>,
+    ) -> Result<Vec<Point>> {
+        let mut points = Vec::new();
+        let truth = truth_in_bins(p, &groups, &truth)?;
+        let nic = nic_in_bins(p, &nic)?;
+        for (bin, group) in p.moments.groups.iter().enumerate() {
+            let (cic, pic) = at_centre(p, *group, &ensemble);
+            for (e, epsilon_1) in p.ship.epsilon_1.iter().enumerate() {
+                let all = [("truth", &truth[e][bin]), ("cic", &cic[e]), ("pic", &pic[e]), ("nic", &nic[e][bin])];
+                points.extend(all.map(|(method, r)| Point {
+                    epsilon_1: *epsilon_1,
+                    group: *group,
+                    method: method.to_owned(),
+                    moments: Moments::of(r),
+                }));
+            }
+        }
+        Ok(points)
+    }
+}
+
+impl Params {
+    /// The bins that hold a group of length l (s) and amplitude a (m).
+    fn bins(&self, l: f64, a: f64) -> impl Iterator<Item = usize> + '_ {
+        let size = [l / self.sea.peak_period, a / self.sea.significant_wave_height];
+        let holds = move |centre: &[f64; 2]| (0..2).all(|i| (size[i] - centre[i]).abs() <= self.moments.half_width[i]);
+        self.moments.groups.iter().enumerate().filter(move |(_, centre)| holds(centre)).map(|(bin, _)| bin)
+    }
+
+    fn empty(&self) -> Vec<Vec<Vec<f64>>> {
+        vec![vec![Vec::new(); self.moments.groups.len()]; self.ship.epsilon_1.len()]
+    }
+}
+
+/// Responses of the continuous record to the groups in each bin: (epsilon_1)(bin)(groups).
+fn truth_in_bins(
+    p: &Params,
+    groups: &PiecesOf<'_, GroupDetection>,
+    truth: &PiecesOf<'_, GroundTruth>,
+) -> Result<Vec<Vec<Vec<f64>>>> {
+    let mut found = p.empty();
+    for (groups, truth) in groups.iter().zip(truth.iter()) {
+        let (groups, truth) = (groups?, truth?);
+        for (found, fields) in found.iter_mut().zip(&truth.fields) {
+            for (groups, response) in groups.fields.iter().zip(fields) {
+                // A dropped field has no responses, and zip passes it over.
+                for (group, r) in groups.iter().zip(&response.r) {
+                    p.bins(group.l, group.a).for_each(|bin| found[bin].push(*r));
+                }
+            }
+        }
+    }
+    Ok(found)
+}
+
+/// Responses of NIC to the sampled groups in each bin: (epsilon_1)(bin)(groups).
+fn nic_in_bins(p: &Params, nic: &PiecesOf<'_, Nic>) -> Result<Vec<Vec<Vec<f64>>>> {
+    let mut found = p.empty();
+    for piece in nic.iter() {
+        let piece = piece?;
+        for (found, fields) in found.iter_mut().zip(&piece.r) {
+            let sizes = piece.l.iter().flatten().zip(piece.a.iter().flatten());
+            for ((l, a), r) in sizes.zip(fields.iter().flatten()) {
+                p.bins(*l, *a).for_each(|bin| found[bin].push(*r));
+            }
+        }
+    }
+    Ok(found)
+}
+
+/// The group at a bin's centre, met at rest and in every state of the ensemble: (epsilon_1)(runs) each.
+fn at_centre(p: &Params, group: [f64; 2], ensemble: &Ensemble) -> (Vec<Vec<f64>>, Vec<Vec<f64>>) {
+    let t_p = p.sea.peak_period;
+    let approach = Approach {
+        h: p.record.h(t_p),
+        field_period: p.record.field_period(t_p),
+        truth_window: p.truth.window,
+        estimate_window: p.estimate.window,
+        groups_ahead: 0,
+    };
+    let encounter = Encounter { t_c: 0.0, l: group[0] * t_p, a: group[1] * p.sea.significant_wave_height };
+    let run: GroupRun = approach.alone(encounter);
+    let simulation = Simulation::new(&p.ship, &p.truth, approach.h);
+    let cic = max_roll_through_groups(&simulation, t_p, std::slice::from_ref(&run), &[]);
+    let runs = vec![run; ensemble.states[0].len()];
+    let pic = max_roll_through_groups(&simulation, t_p, &runs, &ensemble.states);
+    (cic, pic)
+}

@@ -1,0 +1,82 @@
+//! §3.2 Pre-computed initial conditions: the states of continuous roll over `[pic] periods` of the record.
+//!
+//! States inside wave groups are in it: the paper's own explanation of why PIC overestimates.
+
+use serde::{Deserialize, Serialize};
+
+use crate::engine::arrow::{All, PiecesOf};
+use crate::engine::error::Result;
+use crate::engine::stage::{Here, Stage};
+use crate::numerics::fourier::WIDTH;
+use crate::sea::wave_field::Record;
+use crate::ship::continuous_roll::{Timing, continuous_states};
+use crate::ship::initial_condition::{Pic, RollState};
+use crate::ship::response::Truth;
+use crate::ship::roll_equation::Ship;
+use crate::ship::simulation::Simulation;
+use crate::stages::wave_synthesis::WaveSynthesis;
+
+/// (theta, theta_dot) at every envelope time of the first fields.
+pub struct RollEnsemble;
+
+/// Parameters of the ensemble.
+#[derive(Serialize, Deserialize)]
+pub struct Params {
+    ship: Ship,
+    record: Record,
+    truth: Truth,
+    pic: Pic,
+}
+
+/// The states that PIC draws from.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Ensemble {
+    /// The ship's epsilon_1, 1/(m s^2).
+    pub epsilon_1: Vec<f64>,
+    /// (epsilon_1)(times), in the order of the record; equal times along epsilon_1.
+    pub states: Vec<Vec<RollState>>,
+}
+
+impl Stage for RollEnsemble {
+    const NAME: &'static str = "roll_ensemble";
+    const PAPER: &'static str = "§3.2";
+    const SCHEMA: &'static str = "roll-ensemble/1";
+    type Params = Params;
+    type Inputs = (All<WaveSynthesis>,);
+    type Output = Ensemble;
+
+    fn run(p: &Params, (record,): (PiecesOf<'_, WaveSynthesis>,), _: Here<'_>) -> Result<Ensemble> {
+        let samples = p.record.samples();
+        let per_field = p.record.periods_per_field;
+        let per_period = p.record.envelope_samples_per_period;
+        let stride = p.record.samples_per_period / 2 / per_period;
+        let mut synthesis = p.record.synthesis();
+        let mut eta = vec![[0.0; WIDTH]; samples];
+        let mut states = vec![Vec::new(); p.ship.epsilon_1.len()];
+        let mut field = 0;
+        for piece in record.iter() {
+            if p.pic.states_of_field(field, per_field, per_period) == 0 {
+                break;
+            }
+            let waves = piece?;
+            let timing = Timing::new(p.record.field_period(waves.t_p), samples as u32, p.record.lead_in, 0.0);
+            let simulation = Simulation::new(&p.ship, &p.truth, timing.h);
+            for first in (0..waves.phase.len()).step_by(WIDTH) {
+                let used = WIDTH.min(waves.phase.len() - first);
+                waves.elevation(first, &mut synthesis, &mut eta);
+                let block = continuous_states(&simulation, &timing, &eta, used, stride);
+                for column in 0..used {
+                    let wanted = p.pic.states_of_field(field, per_field, per_period);
+                    for (all, own) in states.iter_mut().zip(&block) {
+                        all.extend(&own[column][..wanted]);
+                    }
+                    field += 1;
+                }
+                if p.pic.states_of_field(field, per_field, per_period) == 0 {
+                    break;
+                }
+            }
+        }
+        Ok(Ensemble { epsilon_1: p.ship.epsilon_1.clone(), states })
+    }
+}
