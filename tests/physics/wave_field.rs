@@ -29,7 +29,7 @@ fn jonswap_cut_at_four_peak_frequencies_lacks_what_the_tail_holds() {
     let d = sea.omega_p() / 256.0;
     let sum = |modes: u32, d: f64| (1..=modes).map(|k| sea.density(f64::from(k) * d)).sum::<f64>() * d;
     // Fine steps to 30 omega_p, then the tail: S -> omega_p^5 omega^-5 there, whose integral is omega_p (30)^-4/4.
-    let whole = sum(30 * 4096, d / 16.0) + sea.omega_p() / (4.0 * 30.0_f64.powi(4));
+    let whole = sum(30 * 4096, d / 16.0) + sea.omega_p() / (4.0 * 810_000.0);
     let h_s = 4.0 * (9.0 * sum(1024, d) / whole).sqrt();
     assert!((h_s - 11.9857).abs() < 1e-4, "{h_s}");
 }
@@ -38,7 +38,8 @@ fn jonswap_cut_at_four_peak_frequencies_lacks_what_the_tail_holds() {
 fn jonswap_without_a_peak_is_pierson_moskowitz() {
     let sea = jonswap(1.0);
     for ratio in [0.5_f64, 0.9, 1.0, 1.7, 4.0] {
-        let law = ratio.powi(-5) * encounter::numerics::elementary::exp(-1.25 * ratio.powi(-4));
+        let fourth = 1.0 / (ratio * ratio * ratio * ratio);
+        let law = fourth / ratio * encounter::numerics::elementary::exp(-1.25 * fourth);
         assert!((sea.density(ratio * sea.omega_p()) - law).abs() <= 1e-14 * law);
     }
 }
