@@ -242,7 +242,10 @@ pub struct Synthesis {
 }
 
 impl Synthesis {
-    /// Plans series of `samples` points, a power of two >= 8 and >= `modes`.
+    /// Plans series of `samples` points, a power of two >= 8.
+    ///
+    /// # Panics
+    /// If there are more modes than samples.
     pub fn new(modes: usize, samples: usize) -> Self {
         let length = modes.next_power_of_two();
         assert!(

@@ -1,3 +1,10 @@
 //! Exact solutions and laws, module by module.
 
+mod density;
+mod detection;
+mod envelope;
+mod fourier;
+mod group_statistics;
 mod lbfgsb;
+mod seas;
+mod wave_field;

@@ -45,7 +45,10 @@ fn floor(x: f64) -> i64 {
 }
 
 impl<'a> Ring<'a> {
-    /// The series whose period is `samples`, at least one.
+    /// The series whose period is `samples`.
+    ///
+    /// # Panics
+    /// If there are no samples.
     pub fn new(samples: &'a [f64]) -> Self {
         assert!(!samples.is_empty(), "a period has at least one sample");
         Self { samples }

@@ -198,7 +198,7 @@ impl Kernel for Scan<'_> {
                 let mut passes = [false; WIDTH];
                 for i in 0..WIDTH {
                     let c = centre[i];
-                    passes[i] = (c < left[i]) & (c <= right[i]) & (c < finer[i]) & (c <= coarser[i]);
+                    passes[i] = c < left[i] && c <= right[i] && c < finer[i] && c <= coarser[i];
                 }
                 if passes == [false; WIDTH] {
                     continue;
