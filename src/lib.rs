@@ -1,4 +1,5 @@
 //! encounter: Gong & Pan's paper on ships encountering wave groups, from seeds to figures.
 
+pub mod design;
 pub mod gp;
 pub mod numerics;
