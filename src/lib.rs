@@ -2,6 +2,8 @@
 
 pub mod cli;
 pub mod engine;
+pub mod design;
+pub mod gp;
 pub mod numerics;
 pub mod sea;
 pub mod ship;

@@ -1,13 +1,17 @@
 //! Mathematics without a ship in it.
 
 pub mod density;
+pub mod cholesky;
 pub mod domain;
 pub mod elementary;
 pub mod fourier;
 pub mod hermite;
 pub mod lanes;
+pub mod latin_hypercube;
 pub mod lbfgs_memory;
 pub mod lbfgsb;
+pub mod normal;
 pub mod random;
 pub mod rk4;
+pub mod square;
 pub mod sums;

@@ -1,0 +1,167 @@
+//! The `[vhgp_seq]` table: everything the sequential design may be asked to do differently.
+//!
+//! Keys without a default are the paper's; the others fill what it leaves open (science.md, section 12). `realisations`
+//! is a count of the engine and not read here. Tested in `tests/physics/design.rs`.
+
+use super::input_density::Grid;
+use crate::gp::fit::{Fitting, KernelSpan, Span};
+use crate::numerics::domain::{count, non_negative, positive};
+use serde::{Deserialize, Serialize};
+
+/// One row of Table 1: a sea and its threshold.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Case {
+    /// Name of the `[sea.NAME]` table.
+    pub sea: String,
+    /// θ_t, rad.
+    #[serde(deserialize_with = "positive")]
+    pub theta_t: f64,
+}
+
+/// The `[vhgp_seq]` table.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct VhgpSeq {
+    /// Samples of the Latin hypercube, n_init.
+    #[serde(deserialize_with = "count")]
+    pub initial: u32,
+    /// Samples added between two fits.
+    #[serde(deserialize_with = "count")]
+    pub batch: u32,
+    /// Samples at the end.
+    #[serde(deserialize_with = "count")]
+    pub total: u32,
+    /// k, unused groups near a query from which its response is drawn.
+    #[serde(deserialize_with = "count")]
+    pub neighbours: u32,
+    /// Rows of Table 1.
+    pub case: Vec<Case>,
+    /// Which value of the ship's epsilon_1 list.
+    pub epsilon_1_index: u32,
+    /// Box of (L/T_p, A/H_s): \[\[from, to\], \[from, to\]\].
+    #[serde(default = "domain")]
+    pub domain: [[f64; 2]; 2],
+    /// Candidates along L/T_p and A/H_s.
+    #[serde(default = "grid")]
+    pub grid: [u32; 2],
+    /// τ, standard deviation of a batch about its query, in (L/T_p, A/H_s).
+    #[serde(default = "tau")]
+    pub tau: [f64; 2],
+    /// Bandwidth of the kernel density p, in (L/T_p, A/H_s).
+    #[serde(default = "bandwidth")]
+    pub bandwidth: [f64; 2],
+    /// Initial samples lie where p exceeds this share of its maximum.
+    #[serde(default = "least_density", deserialize_with = "non_negative")]
+    pub least_density: f64,
+    /// Detected groups in the fixed Monte-Carlo set of (Q2).
+    #[serde(default = "monte_carlo", deserialize_with = "count")]
+    pub monte_carlo: u32,
+    /// Largest response that enters the model, rad; above every theta_t.
+    #[serde(default = "cap", deserialize_with = "positive")]
+    pub cap: f64,
+    /// Whether the model sees (y - mean)/sd of the current samples, or y itself.
+    #[serde(default = "standardise")]
+    pub standardise: bool,
+    /// Kernels, bounds and tolerances of the fit, in units of what the model sees.
+    #[serde(default = "fit")]
+    pub fit: Fitting,
+}
+
+impl VhgpSeq {
+    /// Rules that span several keys.
+    ///
+    /// # Errors
+    /// A sentence naming the key, what was expected and what was found.
+    pub fn check(&self) -> Result<(), String> {
+        if self.total < self.initial {
+            let (total, initial) = (self.total, self.initial);
+            return Err(format!("total: expected at least initial = {initial}, found {total}"));
+        }
+        for (d, [from, to]) in self.domain.into_iter().enumerate() {
+            if !(from < to && from.is_finite() && to.is_finite()) {
+                return Err(format!(
+                    "domain[{d}]: expected two ascending numbers, found [{from}, {to}]"
+                ));
+            }
+        }
+        for (key, pair) in [("tau", self.tau), ("bandwidth", self.bandwidth)] {
+            if !pair.iter().all(|v| v.is_finite() && *v > 0.0) {
+                return Err(format!("{key}: expected numbers > 0, found {pair:?}"));
+            }
+        }
+        if self.grid.contains(&0) {
+            return Err(format!("grid: expected whole numbers >= 1, found {:?}", self.grid));
+        }
+        if let Some(case) = self.case.iter().find(|case| case.theta_t >= self.cap) {
+            let (sea, theta_t, cap) = (&case.sea, case.theta_t, self.cap);
+            return Err(format!(
+                "cap: expected more than theta_t = {theta_t} of {sea}, found {cap}"
+            ));
+        }
+        self.fit.check(2)
+    }
+
+    /// The grid of candidates.
+    pub fn candidates(&self) -> Grid {
+        Grid {
+            lower: [self.domain[0][0], self.domain[1][0]],
+            upper: [self.domain[0][1], self.domain[1][1]],
+            size: self.grid,
+        }
+    }
+}
+
+fn domain() -> [[f64; 2]; 2] {
+    [[0.4, 6.0], [0.05, 1.1]]
+}
+
+fn grid() -> [u32; 2] {
+    [40, 40]
+}
+
+fn tau() -> [f64; 2] {
+    [0.2, 0.03]
+}
+
+fn bandwidth() -> [f64; 2] {
+    [0.12, 0.03]
+}
+
+fn least_density() -> f64 {
+    1e-3
+}
+
+fn monte_carlo() -> u32 {
+    10_000
+}
+
+fn cap() -> f64 {
+    1.25
+}
+
+fn standardise() -> bool {
+    true
+}
+
+fn fit() -> Fitting {
+    let span = |start, from, to| Span { start, from, to };
+    Fitting {
+        k_f: KernelSpan {
+            variance: span(1.0, 0.05, 20.0),
+            length: vec![span(1.0, 0.2, 20.0), span(0.3, 0.05, 4.0)],
+        },
+        k_g: KernelSpan {
+            variance: span(1.0, 0.05, 4.0),
+            length: vec![span(1.0, 0.3, 20.0), span(0.3, 0.08, 4.0)],
+        },
+        mu_0: [-8.0, 2.0],
+        log_lambda: [-4.0, 3.0],
+        jitter: 1e-6,
+        restarts: 1,
+        iterations: 100,
+        memory: 10,
+        gradient_tolerance: 1e-2,
+        value_tolerance: 1e-6,
+    }
+}

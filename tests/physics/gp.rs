@@ -1,0 +1,274 @@
+//! Claims about the Gaussian processes: the published vector, every derivative, recovery of a known function.
+
+use encounter::gp::elbo::Elbo;
+use encounter::gp::fit::{Fitting, KernelSpan, Span};
+use encounter::gp::standard::{Likelihood, Standard};
+use encounter::gp::vhgp::Vhgp;
+use encounter::numerics::normal::from_uniform;
+use encounter::numerics::random::uniform;
+use rand_chacha::ChaCha12Rng;
+use rand_chacha::rand_core::SeedableRng;
+
+const X: [[f64; 2]; 6] = [[0.0, 0.0], [1.0, 0.5], [2.0, -1.0], [0.5, 2.0], [-1.5, 1.0], [1.5, 1.5]];
+const Y: [f64; 6] = [0.3, 1.2, -0.7, 0.9, 2.1, 0.1];
+const LAMBDA: [f64; 6] = [0.5, 0.6, 0.4, 0.7, 0.3, 0.55];
+
+/// The published parameters: isotropic, so both lengths of a kernel are equal.
+fn published() -> Vec<f64> {
+    let mut theta: Vec<f64> = LAMBDA.iter().map(|l| l.ln()).collect();
+    for v in [2.0_f64, 1.5, 1.5, 0.8, 2.0, 2.0] {
+        theta.push(v.ln());
+    }
+    theta.push(-1.2);
+    theta
+}
+
+fn close(name: &str, found: &[f64], expected: &[f64], tolerance: f64) {
+    assert_eq!(found.len(), expected.len());
+    for (a, b) in found.iter().zip(expected) {
+        assert!(
+            (a - b).abs() < tolerance,
+            "{name}: found {found:?}, expected {expected:?}"
+        );
+    }
+}
+
+fn random_problem(n: usize) -> (Vec<[f64; 2]>, Vec<f64>, Vec<f64>, ChaCha12Rng) {
+    let mut stream = ChaCha12Rng::seed_from_u64(n as u64);
+    let x: Vec<[f64; 2]> = (0..n)
+        .map(|_| [4.0 * uniform(&mut stream), uniform(&mut stream)])
+        .collect();
+    let y: Vec<f64> = x
+        .iter()
+        .map(|x| (2.0 * x[0]).sin() + 3.0 * x[1] + 0.3 * x[0] * from_uniform(uniform(&mut stream)))
+        .collect();
+    let mut theta: Vec<f64> = (0..n).map(|_| 2.0 * uniform(&mut stream) - 1.5).collect();
+    theta.extend([0.7, 0.1, -0.9, -0.2, 0.5, -0.3, -1.4]);
+    (x, y, theta, stream)
+}
+
+#[test]
+fn the_published_bound_is_met_number_by_number() {
+    let mut bound = Elbo::new(&X, &Y, 1e-4);
+    let mut gradient = [0.0; 13];
+    let f = bound.evaluate(&published(), &mut gradient).expect("positive definite");
+    close("F, KL", &[f, bound.kl], &[-10.048373220, 0.243542297], 1e-8);
+    let mu = [
+        -1.164125805,
+        -1.093008745,
+        -1.190746365,
+        -1.052483608,
+        -1.236785545,
+        -1.040558140,
+    ];
+    close("mu", &bound.mu, &mu, 1e-8);
+    let sigma: Vec<f64> = (0..6).map(|i| bound.sigma_g.at(i, i)).collect();
+    let expected = [
+        0.395837927,
+        0.325355486,
+        0.510437183,
+        0.373886683,
+        0.532743784,
+        0.364845594,
+    ];
+    close("Sigma_ii", &sigma, &expected, 1e-8);
+    let r = [
+        0.256136501,
+        0.284880214,
+        0.235518702,
+        0.289550097,
+        0.222426752,
+        0.294351415,
+    ];
+    close("R", &bound.r_noise, &r, 1e-8);
+    let by_lambda = [
+        0.086905097,
+        0.048505434,
+        0.052692542,
+        -0.048060543,
+        0.059903653,
+        -0.029275177,
+    ];
+    close("dF/dlog lambda", &gradient[..6], &by_lambda, 1e-8);
+    // The published lengths are isotropic: both coordinates' derivatives add up.
+    let g = &gradient[6..];
+    let hyper = [g[0], g[1] + g[2], g[3], g[4] + g[5], g[6]];
+    let expected = [-0.844424659, 0.558281723, -0.678081829, 0.296402087, 0.231565300];
+    close("dF/dhyper", &hyper, &expected, 1e-8);
+}
+
+#[test]
+fn the_published_predictions_are_met_without_jitter() {
+    let model = Vhgp::new(&X, &Y, &published(), 0.0).expect("positive definite");
+    let p = model.predict(&[[0.2, 0.3], [3.0, 3.0]]);
+    close("f_m", &[p[0].f_m, p[1].f_m], &[0.821216939, -0.288858658], 1e-8);
+    close("f_v", &[p[0].f_v, p[1].f_v], &[0.164726470, 1.698952778], 1e-8);
+    close("g_m", &[p[0].g_m, p[1].g_m], &[-1.137291272, -1.107623128], 1e-8);
+    close("g_v", &[p[0].g_v, p[1].g_v], &[0.355680465, 0.697283923], 1e-8);
+    assert_eq!(p[0].mean(), p[0].f_m);
+    assert!((p[0].variance() - (p[0].f_v + (p[0].g_m + p[0].g_v / 2.0).exp())).abs() < 1e-14);
+    let mut means = Vec::new();
+    model.means(&[[0.2, 0.3], [3.0, 3.0]], |f, g| means.extend([f, g]));
+    close("means", &means, &[p[0].f_m, p[0].g_m, p[1].f_m, p[1].g_m], 1e-14);
+}
+
+#[test]
+fn every_derivative_of_the_bound_is_its_finite_difference() {
+    for n in [3, 8, 21] {
+        let (x, y, theta, _) = random_problem(n);
+        let mut bound = Elbo::new(&x, &y, 1e-5);
+        let mut gradient = vec![0.0; theta.len()];
+        let mut unused = gradient.clone();
+        bound.evaluate(&theta, &mut gradient).expect("positive definite");
+        for i in 0..theta.len() {
+            let mut at = |step: f64| {
+                let mut moved = theta.clone();
+                moved[i] += step;
+                bound.evaluate(&moved, &mut unused).expect("positive definite")
+            };
+            let h = 1e-3;
+            let slope = (8.0 * (at(h) - at(-h)) - (at(2.0 * h) - at(-2.0 * h))) / (12.0 * h);
+            // Jitter is not scaled by the variances: the derivative of K has none, so the two agree to 1e-8 here.
+            assert!(
+                (slope - gradient[i]).abs() < 1e-7 * (1.0 + slope.abs()),
+                "n = {n}, parameter {i}: {slope} {}",
+                gradient[i]
+            );
+        }
+    }
+}
+
+#[test]
+fn every_derivative_of_the_standard_likelihood_is_its_finite_difference() {
+    let (x, y, _, _) = random_problem(21);
+    let theta = [0.4, 0.2, -0.8, -1.0];
+    let mut likelihood = Likelihood::new(&x, &y);
+    let (mut gradient, mut unused) = ([0.0; 4], [0.0; 4]);
+    likelihood.evaluate(&theta, &mut gradient).expect("positive definite");
+    for i in 0..4 {
+        let mut at = |step: f64| {
+            let mut moved = theta;
+            moved[i] += step;
+            likelihood.evaluate(&moved, &mut unused).expect("positive definite")
+        };
+        let slope = (8.0 * (at(1e-3) - at(-1e-3)) - (at(2e-3) - at(-2e-3))) / 12e-3;
+        assert!(
+            (slope - gradient[i]).abs() < 1e-7 * (1.0 + slope.abs()),
+            "parameter {i}"
+        );
+    }
+}
+
+fn fitting() -> Fitting {
+    let span = |start, from, to| Span { start, from, to };
+    Fitting {
+        k_f: KernelSpan {
+            variance: span(1.0, 0.01, 100.0),
+            length: vec![span(1.0, 0.1, 20.0), span(0.5, 0.1, 20.0)],
+        },
+        k_g: KernelSpan {
+            variance: span(1.0, 0.05, 9.0),
+            length: vec![span(1.0, 0.2, 20.0), span(0.5, 0.2, 20.0)],
+        },
+        mu_0: [-8.0, 4.0],
+        log_lambda: [-4.0, 3.0],
+        jitter: 1e-6,
+        restarts: 2,
+        iterations: 200,
+        memory: 10,
+        gradient_tolerance: 1e-2,
+        value_tolerance: 1e-7,
+    }
+}
+
+/// y = sin 2 x_0 + x_1 + e, sd(e) from 0.05 (x_0 = 0) to 0.8 (x_0 = 4).
+fn known(n: usize, seed: u64) -> (Vec<[f64; 2]>, Vec<f64>) {
+    let mut stream = ChaCha12Rng::seed_from_u64(seed);
+    let x: Vec<[f64; 2]> = (0..n)
+        .map(|_| [4.0 * uniform(&mut stream), uniform(&mut stream)])
+        .collect();
+    let y = x
+        .iter()
+        .map(|x| mean(x) + noise(x) * from_uniform(uniform(&mut stream)))
+        .collect();
+    (x, y)
+}
+
+fn mean(x: &[f64; 2]) -> f64 {
+    (2.0 * x[0]).sin() + x[1] - 0.5
+}
+
+fn noise(x: &[f64; 2]) -> f64 {
+    0.05 * (x[0] * 16.0_f64.ln() / 4.0).exp()
+}
+
+#[test]
+fn a_known_function_and_its_noise_are_recovered() {
+    let (x, y) = known(160, 3);
+    let mut stream = ChaCha12Rng::seed_from_u64(1);
+    let fit = fitting().fit(&x, &y, None, &mut stream).expect("some start succeeds");
+    let model = Vhgp::new(&x, &y, &fit.theta, 1e-6).expect("positive definite");
+    assert_eq!(model.elbo, fit.elbo);
+    let standard = fitting().fit_standard(&x, &y).expect("converges");
+    let constant = Standard::new(&x, &y, &standard).expect("positive definite");
+    for x0 in [0.3, 1.0, 2.0, 3.0, 3.7] {
+        let point = [x0, 0.5];
+        let p = model.predict(&[point])[0];
+        let tolerance = 0.1 + 0.6 * noise(&point);
+        assert!((p.f_m - mean(&point)).abs() < tolerance, "f at {x0}: {p:?}");
+        let ratio = (0.5 * p.g_m).exp() / noise(&point);
+        assert!((0.5..2.0).contains(&ratio), "noise at {x0} is {ratio} of the truth");
+        assert!((constant.predict(&[point])[0].0 - mean(&point)).abs() < 0.5);
+    }
+    assert!(
+        (0.2..0.6).contains(&constant.noise.sqrt()),
+        "one noise for all: {}",
+        constant.noise.sqrt()
+    );
+}
+
+#[test]
+fn a_warm_start_finds_the_optimum_again_in_few_evaluations() {
+    let (x, y) = known(60, 4);
+    let mut stream = ChaCha12Rng::seed_from_u64(1);
+    let first = fitting().fit(&x, &y, None, &mut stream).expect("succeeds");
+    let again = fitting().fit(&x, &y, Some(&first), &mut stream).expect("succeeds");
+    assert!(again.elbo >= first.elbo - 1e-9);
+    assert!(
+        again.evaluations < first.evaluations,
+        "{} {}",
+        again.evaluations,
+        first.evaluations
+    );
+    let (x, y) = known(63, 4);
+    assert!(
+        fitting().fit(&x, &y, Some(&first), &mut stream).is_some(),
+        "new samples join a warm start"
+    );
+}
+
+#[test]
+fn a_fit_that_fails_is_a_value() {
+    let (x, mut y) = known(12, 5);
+    y[3] = f64::NAN;
+    assert_eq!(fitting().fit(&x, &y, None, &mut ChaCha12Rng::seed_from_u64(1)), None);
+}
+
+#[test]
+fn spans_that_do_not_hold_their_start_are_refused() {
+    let mut wrong = fitting();
+    wrong.k_g.variance.start = 10.0;
+    assert!(
+        wrong
+            .check(2)
+            .expect_err("outside")
+            .starts_with("fit.k_g: expected from <= start <= to")
+    );
+    assert!(
+        fitting()
+            .check(3)
+            .expect_err("two lengths")
+            .starts_with("fit.k_f.length: expected 3 spans, found 2")
+    );
+    assert_eq!(fitting().check(2), Ok(()));
+}
