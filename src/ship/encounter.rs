@@ -193,15 +193,15 @@ impl Observer for RunObserver<'_> {
     }
 
     #[inline(always)]
-    fn observe<const L: usize>(&mut self, step: i64, block: &Block<L>) {
+    fn observe(&mut self, step: i64, block: &Block) {
         if self.0.is_open(step + block.n as i64) {
             self.0.gather(step, block);
         }
     }
 
     #[inline(always)]
-    fn finish<const L: usize>(&mut self) {
-        self.0.settle::<L>();
+    fn finish(&mut self) {
+        self.0.settle();
     }
 }
 
