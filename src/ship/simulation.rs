@@ -167,6 +167,12 @@ impl Rules {
         }
     }
 
+    /// False at a capsize, and in a state that is no number.
+    #[inline(always)]
+    fn is_upright(self, theta: f64, theta_dot: f64) -> bool {
+        (theta.abs() <= self.capsize_angle) & (theta_dot.abs() <= f64::MAX)
+    }
+
     /// The roll that is compared with thresholds, of a roll angle.
     #[inline(always)]
     fn measured(self, theta: f64) -> f64 {
@@ -175,9 +181,8 @@ impl Rules {
 }
 
 /// Up to sixteen steps of roll: row 0 of each state is the start, row k the end of the k-th step.
+#[repr(C, align(64))]
 pub(crate) struct Block {
-    /// Steps in use.
-    pub(crate) n: usize,
     /// Roll after a possible restart, rad; (n + 1, lanes).
     pub(crate) theta: [[f64; LANES]; BLOCK + 1],
     /// Roll velocity after a possible restart, rad/s; (n + 1, lanes).
@@ -188,6 +193,8 @@ pub(crate) struct Block {
     pub(crate) maximum: [[f64; LANES]; BLOCK],
     /// Capsizes in this block.
     pub(crate) capsizes: [f64; LANES],
+    /// Steps in use.
+    pub(crate) n: usize,
 }
 
 impl Block {
@@ -195,12 +202,12 @@ impl Block {
     #[inline(always)]
     fn starting(rules: Rules, initial: &[RollState]) -> Self {
         let mut block = Self {
-            n: 0,
             theta: [[0.0; LANES]; BLOCK + 1],
             theta_dot: [[0.0; LANES]; BLOCK + 1],
             measured: [[0.0; LANES]; BLOCK + 1],
             maximum: [[0.0; LANES]; BLOCK],
             capsizes: [0.0; LANES],
+            n: 0,
         };
         for (lane, state) in initial.iter().enumerate() {
             block.theta[0][lane] = state.theta;
@@ -227,13 +234,21 @@ impl Block {
         for k in 0..n {
             let forcing = [spread(&eta[2 * k]), spread(&eta[2 * k + 1]), spread(&eta[2 * k + 2])];
             let acceleration = |x, v, eta| equation.acceleration(x, v, eta);
-            let (x, v) = rk4::step(acceleration, rules.h, theta, theta_dot, forcing);
+            (theta, theta_dot) = rk4::step(acceleration, rules.h, theta, theta_dot, forcing);
+            let mut upright = true;
             for i in 0..LANES {
-                let upright = (x[i].abs() <= rules.capsize_angle) & (v[i].abs() <= f64::MAX);
-                theta[i] = if upright { x[i] } else { 0.0 };
-                theta_dot[i] = if upright { v[i] } else { 0.0 };
-                self.measured[k + 1][i] = if upright { rules.measured(x[i]) } else { rules.capsize_angle };
-                capsizes[i] += if upright { 0.0 } else { 1.0 };
+                self.measured[k + 1][i] = rules.measured(theta[i]);
+                upright &= rules.is_upright(theta[i], theta_dot[i]);
+            }
+            // Capsizes are rare: one branch for all lanes, then a select per lane.
+            if !upright {
+                for i in 0..LANES {
+                    let upright = rules.is_upright(theta[i], theta_dot[i]);
+                    theta[i] = if upright { theta[i] } else { 0.0 };
+                    theta_dot[i] = if upright { theta_dot[i] } else { 0.0 };
+                    self.measured[k + 1][i] = if upright { self.measured[k + 1][i] } else { rules.capsize_angle };
+                    capsizes[i] += if upright { 0.0 } else { 1.0 };
+                }
             }
             self.theta[k + 1] = theta;
             self.theta_dot[k + 1] = theta_dot;
