@@ -36,7 +36,12 @@ impl Timing {
         let h = field_period / steps as f64;
         let tail = (reach / h).ceil() as i64;
         let lead_in = ((lead_in / h).ceil() as i64).max(tail);
-        Self { h, steps, lead_in, tail }
+        Self {
+            h,
+            steps,
+            lead_in,
+            tail,
+        }
     }
 
     /// The field period T_f, s.
@@ -99,12 +104,7 @@ struct TruthObserver<'a> {
 }
 
 impl<'a> TruthObserver<'a> {
-    fn new(
-        simulation: &'a Simulation<'a>,
-        timing: &'a Timing,
-        segments: &'a [Vec<Segment>],
-        epsilons: usize,
-    ) -> Self {
+    fn new(simulation: &'a Simulation<'a>, timing: &'a Timing, segments: &'a [Vec<Segment>], epsilons: usize) -> Self {
         Self {
             simulation,
             timing,
@@ -145,7 +145,10 @@ impl Observer for TruthObserver<'_> {
     fn observe(&mut self, step: i64, block: &Block) {
         let counts = step >= -1 && step < self.timing.steps - 1;
         if counts {
-            add(&mut self.above, &time_above(block, self.simulation.truth.temporal_level));
+            add(
+                &mut self.above,
+                &time_above(block, self.simulation.truth.temporal_level),
+            );
             add(&mut self.capsizes, &block.capsizes);
         }
         add(&mut self.capsizes_in_run, &block.capsizes);
@@ -242,4 +245,3 @@ impl Observer for StateObserver<'_> {
     #[inline(always)]
     fn finish(&mut self) {}
 }
-

@@ -65,11 +65,15 @@ impl Truth {
         let limit = self.capsize_angle;
         if self.thresholds.to >= limit {
             let to = self.thresholds.to;
-            return Err(format!("thresholds.to: expected a number below capsize_angle = {limit}, found {to}"));
+            return Err(format!(
+                "thresholds.to: expected a number below capsize_angle = {limit}, found {to}"
+            ));
         }
         if self.temporal_level >= limit {
             let level = self.temporal_level;
-            return Err(format!("temporal_level: expected a number below capsize_angle = {limit}, found {level}"));
+            return Err(format!(
+                "temporal_level: expected a number below capsize_angle = {limit}, found {level}"
+            ));
         }
         Ok(())
     }

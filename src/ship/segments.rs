@@ -66,7 +66,12 @@ impl<'a> SegmentMaxima<'a> {
         let unseen: Vec<Vec<f64>> = columns.iter().map(|list| vec![f64::NEG_INFINITY; list.len()]).collect();
         Self {
             columns,
-            opening: columns.iter().flatten().map(|segment| segment.first).min().unwrap_or(i64::MAX),
+            opening: columns
+                .iter()
+                .flatten()
+                .map(|segment| segment.first)
+                .min()
+                .unwrap_or(i64::MAX),
             epsilons,
             r: vec![unseen; epsilons],
             base: 0,

@@ -73,7 +73,11 @@ pub(crate) struct Span {
 impl Span {
     /// The number of steps of the block that starts here.
     fn block_length(&self, step: i64) -> usize {
-        let end = self.cuts.into_iter().filter(|cut| *cut > step).fold(self.steps.end, i64::min);
+        let end = self
+            .cuts
+            .into_iter()
+            .filter(|cut| *cut > step)
+            .fold(self.steps.end, i64::min);
         (end - step).min(BLOCK as i64) as usize
     }
 }
@@ -246,7 +250,11 @@ impl Block {
                     let upright = rules.is_upright(theta[i], theta_dot[i]);
                     theta[i] = if upright { theta[i] } else { 0.0 };
                     theta_dot[i] = if upright { theta_dot[i] } else { 0.0 };
-                    self.measured[k + 1][i] = if upright { self.measured[k + 1][i] } else { rules.capsize_angle };
+                    self.measured[k + 1][i] = if upright {
+                        self.measured[k + 1][i]
+                    } else {
+                        rules.capsize_angle
+                    };
                     capsizes[i] += if upright { 0.0 } else { 1.0 };
                 }
             }
@@ -280,7 +288,11 @@ impl Block {
                     let peak = hermite::extremum(rules.h, x, v);
                     for i in 0..COLUMNS {
                         let there = rules.measured(peak[i]);
-                        let there = if there > rules.capsize_angle { rules.capsize_angle } else { there };
+                        let there = if there > rules.capsize_angle {
+                            rules.capsize_angle
+                        } else {
+                            there
+                        };
                         largest[i] = if there > largest[i] { there } else { largest[i] };
                     }
                 }
