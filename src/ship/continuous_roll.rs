@@ -11,7 +11,7 @@ use crate::ship::encounter::Encounter;
 use crate::ship::initial_condition::RollState;
 use crate::ship::response::{Capsize, Response};
 use crate::ship::segments::{Segment, SegmentMaxima};
-use crate::ship::simulation::{Block, COLUMNS, EPSILONS, Observer, Simulation, Span, Waves};
+use crate::ship::simulation::{Block, COLUMNS, EPSILONS, LANES, Observer, Simulation, Span, Waves};
 
 /// The time grid of a field's run, in RK4 steps.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -36,7 +36,12 @@ impl Timing {
         let h = field_period / steps as f64;
         let tail = (reach / h).ceil() as i64;
         let lead_in = ((lead_in / h).ceil() as i64).max(tail);
-        Self { h, steps, lead_in, tail }
+        Self {
+            h,
+            steps,
+            lead_in,
+            tail,
+        }
     }
 
     /// The field period T_f, s.
@@ -93,26 +98,20 @@ struct TruthObserver<'a> {
     timing: &'a Timing,
     maxima: SegmentMaxima<'a>,
     /// Per lane: capsizes in [0, T_f), capsizes in the whole run, full steps above the temporal level in [0, T_f).
-    capsizes: Vec<f64>,
-    capsizes_in_run: Vec<f64>,
-    above: Vec<f64>,
+    capsizes: [f64; LANES],
+    capsizes_in_run: [f64; LANES],
+    above: [f64; LANES],
 }
 
 impl<'a> TruthObserver<'a> {
-    fn new(
-        simulation: &'a Simulation<'a>,
-        timing: &'a Timing,
-        segments: &'a [Vec<Segment>],
-        epsilons: usize,
-    ) -> Self {
-        let lanes = COLUMNS * epsilons;
+    fn new(simulation: &'a Simulation<'a>, timing: &'a Timing, segments: &'a [Vec<Segment>], epsilons: usize) -> Self {
         Self {
             simulation,
             timing,
             maxima: SegmentMaxima::new(segments, epsilons),
-            capsizes: vec![0.0; lanes],
-            capsizes_in_run: vec![0.0; lanes],
-            above: vec![0.0; lanes],
+            capsizes: [0.0; LANES],
+            capsizes_in_run: [0.0; LANES],
+            above: [0.0; LANES],
         }
     }
 
@@ -143,10 +142,13 @@ impl Observer for TruthObserver<'_> {
     }
 
     #[inline(always)]
-    fn observe<const L: usize>(&mut self, step: i64, block: &Block<L>) {
+    fn observe(&mut self, step: i64, block: &Block) {
         let counts = step >= -1 && step < self.timing.steps - 1;
         if counts {
-            add(&mut self.above, &time_above(block, self.simulation.truth.temporal_level));
+            add(
+                &mut self.above,
+                &time_above(block, self.simulation.truth.temporal_level),
+            );
             add(&mut self.capsizes, &block.capsizes);
         }
         add(&mut self.capsizes_in_run, &block.capsizes);
@@ -156,13 +158,13 @@ impl Observer for TruthObserver<'_> {
     }
 
     #[inline(always)]
-    fn finish<const L: usize>(&mut self) {
-        self.maxima.settle::<L>();
+    fn finish(&mut self) {
+        self.maxima.settle();
     }
 }
 
 #[inline(always)]
-fn add<const L: usize>(totals: &mut [f64], terms: &[f64; L]) {
+fn add(totals: &mut [f64; LANES], terms: &[f64; LANES]) {
     for (total, term) in totals.iter_mut().zip(terms) {
         *total += term;
     }
@@ -170,10 +172,10 @@ fn add<const L: usize>(totals: &mut [f64], terms: &[f64; L]) {
 
 /// The number of full steps of a block, its start left out, with |theta| above a level; a capsize is above.
 #[inline(always)]
-fn time_above<const L: usize>(block: &Block<L>, level: f64) -> [f64; L] {
-    let mut count = [0.0; L];
+fn time_above(block: &Block, level: f64) -> [f64; LANES] {
+    let mut count = [0.0; LANES];
     for k in 1..=block.n {
-        for i in 0..L {
+        for i in 0..LANES {
             let above = block.theta[k][i].abs() > level || block.measured[k][i] > level;
             count[i] += if above { 1.0 } else { 0.0 };
         }
@@ -223,16 +225,16 @@ impl Observer for StateObserver<'_> {
     }
 
     #[inline(always)]
-    fn observe<const L: usize>(&mut self, step: i64, block: &Block<L>) {
+    fn observe(&mut self, step: i64, block: &Block) {
         // The row of a full step is the start of its block: every full step is seen once.
         for k in 0..block.n {
             let instant = step + k as i64;
             if instant < 0 || instant >= self.timing.steps || instant % self.stride != 0 {
                 continue;
             }
-            for lane in 0..L {
+            for lane in 0..LANES {
                 let (e, column) = (lane / COLUMNS, lane % COLUMNS);
-                if column < self.fields {
+                if column < self.fields && e < self.states.len() {
                     let (theta, theta_dot) = (block.theta[k][lane], block.theta_dot[k][lane]);
                     self.states[e][column].push(RollState { theta, theta_dot });
                 }
@@ -241,6 +243,5 @@ impl Observer for StateObserver<'_> {
     }
 
     #[inline(always)]
-    fn finish<const L: usize>(&mut self) {}
+    fn finish(&mut self) {}
 }
-

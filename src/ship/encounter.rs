@@ -11,7 +11,7 @@
 //!
 //! Tested in `tests/physics/encounter.rs`: scalar twin, the table of single groups, neighbours of a capsized lane.
 
-use crate::numerics::elementary::{exp_lanes, sin_cos_lanes};
+use crate::ship::group_waves::GroupWaves;
 use crate::ship::initial_condition::{RollState, predecessor};
 use crate::ship::segments::{Segment, SegmentMaxima};
 use crate::ship::simulation::{Block, COLUMNS, EPSILONS, Observer, Simulation, Span, Waves};
@@ -138,8 +138,12 @@ pub fn max_roll_through_groups(
 /// `eta` is one field period (samples, 8), two samples a step.
 pub fn max_roll_along_record(simulation: &Simulation, eta: &[[f64; COLUMNS]], runs: &[RecordRun]) -> Vec<Vec<f64>> {
     let segments: Vec<Segment> = runs.iter().map(|run| run.segment).collect();
+    // Runs start anywhere: field by field their samples lie close together.
+    let fields: Vec<Vec<f64>> = (0..COLUMNS)
+        .map(|column| eta.iter().map(|row| row[column]).collect())
+        .collect();
     side_by_side(simulation, &segments, &[], |members| RecordWaves {
-        eta,
+        fields: &fields,
         runs: members.map(|run| runs[run]),
     })
 }
@@ -193,98 +197,38 @@ impl Observer for RunObserver<'_> {
     }
 
     #[inline(always)]
-    fn observe<const L: usize>(&mut self, step: i64, block: &Block<L>) {
+    fn observe(&mut self, step: i64, block: &Block) {
         if self.0.is_open(step + block.n as i64) {
             self.0.gather(step, block);
         }
     }
 
     #[inline(always)]
-    fn finish<const L: usize>(&mut self) {
-        self.0.settle::<L>();
+    fn finish(&mut self) {
+        self.0.settle();
     }
 }
 
 /// Columns that follow the record, each from a start of its own.
 struct RecordWaves<'a> {
-    eta: &'a [[f64; COLUMNS]],
+    // (8, samples)
+    fields: &'a [Vec<f64>],
     runs: [RecordRun; COLUMNS],
 }
 
 impl Waves for RecordWaves<'_> {
     #[inline(always)]
     fn fill(&self, step: i64, rows: &mut [[f64; COLUMNS]]) {
-        let samples = self.eta.len();
         for (column, run) in self.runs.iter().enumerate() {
-            let mut j = (2 * (run.start + step)).rem_euclid(samples as i64) as usize;
-            for row in &mut *rows {
-                row[column] = self.eta[j][run.column as usize];
-                j = if j + 1 < samples { j + 1 } else { 0 };
+            let eta = &self.fields[run.column as usize];
+            let first = (2 * (run.start + step)).rem_euclid(eta.len() as i64) as usize;
+            let until_end = rows.len().min(eta.len() - first);
+            let (before, after) = rows.split_at_mut(until_end);
+            for (row, value) in before.iter_mut().zip(&eta[first..]) {
+                row[column] = *value;
             }
-        }
-    }
-}
-
-/// One Gaussian group per column.
-#[derive(Clone, Copy, Default)]
-struct Bumps {
-    t_c: [f64; COLUMNS],
-    inverse_l: [f64; COLUMNS],
-    a: [f64; COLUMNS],
-}
-
-/// Columns of reconstructed groups on a carrier.
-struct GroupWaves {
-    omega_p: f64,
-    half_step: f64,
-    start: [f64; COLUMNS],
-    bumps: Vec<Bumps>,
-}
-
-impl GroupWaves {
-    fn new(runs: [&GroupRun; COLUMNS], omega_p: f64, h: f64) -> Self {
-        let most = runs.iter().map(|run| run.groups.len()).max().unwrap_or(0);
-        let mut bumps = vec![Bumps::default(); most];
-        for (column, run) in runs.iter().enumerate() {
-            for (bump, group) in bumps.iter_mut().zip(&run.groups) {
-                bump.t_c[column] = group.t_c;
-                bump.inverse_l[column] = 1.0 / group.l;
-                bump.a[column] = group.a;
-            }
-        }
-        Self {
-            omega_p,
-            half_step: 0.5 * h,
-            start: runs.map(|run| run.start),
-            bumps,
-        }
-    }
-}
-
-impl Waves for GroupWaves {
-    #[inline(always)]
-    fn fill(&self, step: i64, rows: &mut [[f64; COLUMNS]]) {
-        for (k, row) in rows.iter_mut().enumerate() {
-            let elapsed = (2 * step + k as i64) as f64 * self.half_step;
-            let [mut t, mut phase, mut rho] = [[0.0; COLUMNS]; 3];
-            for i in 0..COLUMNS {
-                t[i] = self.start[i] + elapsed;
-                phase[i] = self.omega_p * t[i];
-            }
-            for bump in &self.bumps {
-                let mut exponent = [0.0; COLUMNS];
-                for i in 0..COLUMNS {
-                    let u = (t[i] - bump.t_c[i]) * bump.inverse_l[i];
-                    exponent[i] = -0.5 * u * u;
-                }
-                let gaussian = exp_lanes(exponent);
-                for i in 0..COLUMNS {
-                    rho[i] += bump.a[i] * gaussian[i];
-                }
-            }
-            let (_, carrier) = sin_cos_lanes(phase);
-            for i in 0..COLUMNS {
-                row[i] = rho[i] * carrier[i];
+            for (row, value) in after.iter_mut().zip(eta.iter().cycle()) {
+                row[column] = *value;
             }
         }
     }

@@ -36,7 +36,9 @@ impl Thresholds {
             return Err(format!("to: expected a number from {from} (`from`), found {to}"));
         }
         if (to - from) / step >= MOST {
-            return Err(format!("step: expected at most {MOST} thresholds, found a step of {step}"));
+            return Err(format!(
+                "step: expected at most {MOST} thresholds, found a step of {step}"
+            ));
         }
         Ok(())
     }
@@ -120,7 +122,11 @@ impl Exceedances {
     pub fn merge(&mut self, other: &Self) {
         self.n += other.n;
         self.n_n += other.n_n;
-        let rows = [(&mut self.c, &other.c), (&mut self.c_c, &other.c_c), (&mut self.c_n, &other.c_n)];
+        let rows = [
+            (&mut self.c, &other.c),
+            (&mut self.c_c, &other.c_c),
+            (&mut self.c_n, &other.c_n),
+        ];
         for (mine, theirs) in rows {
             for (a, b) in mine.iter_mut().zip(theirs) {
                 *a += b;

@@ -3,6 +3,7 @@
 pub mod continuous_roll;
 pub mod encounter;
 pub mod exceedance;
+mod group_waves;
 pub mod initial_condition;
 pub mod response;
 pub mod sample;

@@ -62,7 +62,9 @@ impl Truth {
         let limit = self.capsize_angle;
         if self.temporal_level >= limit {
             let level = self.temporal_level;
-            return Err(format!("temporal_level: expected a number below capsize_angle = {limit}, found {level}"));
+            return Err(format!(
+                "temporal_level: expected a number below capsize_angle = {limit}, found {level}"
+            ));
         }
         Ok(())
     }

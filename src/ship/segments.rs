@@ -4,7 +4,7 @@
 //! if both lie in the segment, a capsize at a full step counts if that instant does. Steps of a run are gathered in rows
 //! of lanes, sixteen rows are condensed into one, and every 1,024 steps the segments take what lies in them.
 
-use crate::ship::simulation::{BLOCK, Block, COLUMNS};
+use crate::ship::simulation::{BLOCK, Block, COLUMNS, LANES};
 
 /// Rows gathered before the segments take their maxima: small enough for the second-level cache.
 const ROWS: usize = 1024;
@@ -63,16 +63,20 @@ pub(crate) struct SegmentMaxima<'a> {
 
 impl<'a> SegmentMaxima<'a> {
     pub(crate) fn new(columns: &'a [Vec<Segment>], epsilons: usize) -> Self {
-        let lanes = COLUMNS * epsilons;
         let unseen: Vec<Vec<f64>> = columns.iter().map(|list| vec![f64::NEG_INFINITY; list.len()]).collect();
         Self {
             columns,
-            opening: columns.iter().flatten().map(|segment| segment.first).min().unwrap_or(i64::MAX),
+            opening: columns
+                .iter()
+                .flatten()
+                .map(|segment| segment.first)
+                .min()
+                .unwrap_or(i64::MAX),
             epsilons,
             r: vec![unseen; epsilons],
             base: 0,
-            rows: Vec::with_capacity(ROWS * lanes),
-            condensed: Vec::with_capacity(ROWS / CONDENSED * lanes),
+            rows: Vec::with_capacity(ROWS * LANES),
+            condensed: Vec::with_capacity(ROWS / CONDENSED * LANES),
         }
     }
 
@@ -83,9 +87,9 @@ impl<'a> SegmentMaxima<'a> {
 
     /// Gathers the maxima of a block that starts at this step.
     #[inline(always)]
-    pub(crate) fn gather<const L: usize>(&mut self, step: i64, block: &Block<L>) {
-        if self.rows.len() + BLOCK * L > ROWS * L {
-            self.settle::<L>();
+    pub(crate) fn gather(&mut self, step: i64, block: &Block) {
+        if self.rows.len() + BLOCK * LANES > ROWS * LANES {
+            self.settle();
         }
         if self.rows.is_empty() {
             self.base = step;
@@ -95,24 +99,24 @@ impl<'a> SegmentMaxima<'a> {
 
     /// Gives the gathered rows to the segments.
     #[inline(always)]
-    pub(crate) fn settle<const L: usize>(&mut self) {
+    pub(crate) fn settle(&mut self) {
         self.condensed.clear();
-        for rows in self.rows.chunks_exact(CONDENSED * L) {
-            self.condensed.extend_from_slice(&largest::<L>(rows));
+        for rows in self.rows.chunks_exact(CONDENSED * LANES) {
+            self.condensed.extend_from_slice(&largest(rows));
         }
-        self.take(L);
+        self.take();
         self.rows.clear();
     }
 
     /// Every segment takes the maximum of the gathered rows it holds.
-    fn take(&mut self, lanes: usize) {
-        let count = (self.rows.len() / lanes) as i64;
+    fn take(&mut self) {
+        let count = (self.rows.len() / LANES) as i64;
         for (column, segments) in self.columns.iter().enumerate() {
             for (index, segment) in segments.iter().enumerate() {
                 let from = (segment.first - self.base).max(0) as usize;
                 let to = (segment.last - self.base).clamp(0, count) as usize;
                 for e in 0..self.epsilons {
-                    let found = self.maximum_over(lanes, e * COLUMNS + column, from, to);
+                    let found = self.maximum_over(e * COLUMNS + column, from, to);
                     let r = &mut self.r[e][column][index];
                     *r = if found > *r { found } else { *r };
                 }
@@ -121,15 +125,15 @@ impl<'a> SegmentMaxima<'a> {
     }
 
     /// The maximum of one lane over the rows from..to.
-    fn maximum_over(&self, lanes: usize, lane: usize, from: usize, to: usize) -> f64 {
+    fn maximum_over(&self, lane: usize, from: usize, to: usize) -> f64 {
         let mut largest = f64::NEG_INFINITY;
         let mut k = from;
         while k < to {
             let whole = k.is_multiple_of(CONDENSED) && k + CONDENSED <= to;
             let (value, taken) = if whole {
-                (self.condensed[k / CONDENSED * lanes + lane], CONDENSED)
+                (self.condensed[k / CONDENSED * LANES + lane], CONDENSED)
             } else {
-                (self.rows[k * lanes + lane], 1)
+                (self.rows[k * LANES + lane], 1)
             };
             largest = if value > largest { value } else { largest };
             k += taken;
@@ -140,10 +144,10 @@ impl<'a> SegmentMaxima<'a> {
 
 /// The largest of some rows, lane by lane.
 #[inline(always)]
-fn largest<const L: usize>(rows: &[f64]) -> [f64; L] {
-    let mut result = [f64::NEG_INFINITY; L];
-    for row in rows.as_chunks::<L>().0 {
-        for i in 0..L {
+fn largest(rows: &[f64]) -> [f64; LANES] {
+    let mut result = [f64::NEG_INFINITY; LANES];
+    for row in rows.as_chunks::<LANES>().0 {
+        for i in 0..LANES {
             result[i] = if row[i] > result[i] { row[i] } else { result[i] };
         }
     }

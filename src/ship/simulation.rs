@@ -22,6 +22,8 @@ use std::ops::Range;
 pub const COLUMNS: usize = 8;
 /// The most epsilon_1 side by side: 24 lanes keep the CPU busy, 32 do not fit its registers.
 pub const EPSILONS: usize = 3;
+/// Lanes of every block; with fewer epsilon_1 the last one fills up, which costs a wide CPU nothing.
+pub(crate) const LANES: usize = COLUMNS * EPSILONS;
 /// Steps of a block.
 pub(crate) const BLOCK: usize = 16;
 
@@ -57,9 +59,9 @@ pub(crate) trait Observer {
     /// Whether the maxima of a block that ends at this step are of use.
     fn needs_maxima(&self, end: i64) -> bool;
     /// Looks at a block that starts at this step.
-    fn observe<const L: usize>(&mut self, step: i64, block: &Block<L>);
+    fn observe(&mut self, step: i64, block: &Block);
     /// Takes note that the run is over.
-    fn finish<const L: usize>(&mut self);
+    fn finish(&mut self);
 }
 
 /// The steps to integrate over, and full steps that no block may straddle.
@@ -71,7 +73,11 @@ pub(crate) struct Span {
 impl Span {
     /// The number of steps of the block that starts here.
     fn block_length(&self, step: i64) -> usize {
-        let end = self.cuts.into_iter().filter(|cut| *cut > step).fold(self.steps.end, i64::min);
+        let end = self
+            .cuts
+            .into_iter()
+            .filter(|cut| *cut > step)
+            .fold(self.steps.end, i64::min);
         (end - step).min(BLOCK as i64) as usize
     }
 }
@@ -96,13 +102,9 @@ impl Simulation<'_> {
             waves,
             observer,
         };
-        match (epsilon_1.len(), self.ship.damping) {
-            (1, Damping::Cubic) => dispatch_at(self.level, InLanes::<8, true, _>(integration)),
-            (2, Damping::Cubic) => dispatch_at(self.level, InLanes::<16, true, _>(integration)),
-            (_, Damping::Cubic) => dispatch_at(self.level, InLanes::<24, true, _>(integration)),
-            (1, Damping::Quadratic) => dispatch_at(self.level, InLanes::<8, false, _>(integration)),
-            (2, Damping::Quadratic) => dispatch_at(self.level, InLanes::<16, false, _>(integration)),
-            (_, Damping::Quadratic) => dispatch_at(self.level, InLanes::<24, false, _>(integration)),
+        match self.ship.damping {
+            Damping::Cubic => dispatch_at(self.level, WithDamping::<true, _>(integration)),
+            Damping::Quadratic => dispatch_at(self.level, WithDamping::<false, _>(integration)),
         }
     }
 }
@@ -116,21 +118,21 @@ struct Integration<'a, W, O> {
     observer: &'a mut O,
 }
 
-struct InLanes<const L: usize, const CUBIC: bool, I>(I);
+struct WithDamping<const CUBIC: bool, I>(I);
 
-impl<const L: usize, const CUBIC: bool, W: Waves, O: Observer> Kernel for InLanes<L, CUBIC, Integration<'_, W, O>> {
+impl<const CUBIC: bool, W: Waves, O: Observer> Kernel for WithDamping<CUBIC, Integration<'_, W, O>> {
     type Output = ();
 
     #[inline(always)]
     fn run(self) {
         let task = self.0;
-        let mut epsilon_1 = [0.0; L];
+        let mut epsilon_1 = [0.0; LANES];
         for (lane, value) in epsilon_1.iter_mut().enumerate() {
-            *value = task.epsilon_1[lane / COLUMNS];
+            *value = task.epsilon_1[(lane / COLUMNS).min(task.epsilon_1.len() - 1)];
         }
-        let equation = RollEquation::<L, CUBIC>::new(task.simulation.ship, epsilon_1);
+        let equation = RollEquation::<LANES, CUBIC>::new(task.simulation.ship, epsilon_1);
         let rules = Rules::new(&task.simulation);
-        let mut block = Block::<L>::starting(rules, task.initial);
+        let mut block = Block::starting(rules, task.initial);
         let mut eta = [[0.0; COLUMNS]; 2 * BLOCK + 1];
         let mut step = task.span.steps.start;
         while step < task.span.steps.end {
@@ -144,7 +146,7 @@ impl<const L: usize, const CUBIC: bool, W: Waves, O: Observer> Kernel for InLane
             task.observer.observe(step, &block);
             step = end;
         }
-        task.observer.finish::<L>();
+        task.observer.finish();
     }
 }
 
@@ -169,6 +171,12 @@ impl Rules {
         }
     }
 
+    /// False at a capsize, and in a state that is no number.
+    #[inline(always)]
+    fn is_upright(self, theta: f64, theta_dot: f64) -> bool {
+        (theta.abs() <= self.capsize_angle) & (theta_dot.abs() <= f64::MAX)
+    }
+
     /// The roll that is compared with thresholds, of a roll angle.
     #[inline(always)]
     fn measured(self, theta: f64) -> f64 {
@@ -177,32 +185,33 @@ impl Rules {
 }
 
 /// Up to sixteen steps of roll: row 0 of each state is the start, row k the end of the k-th step.
-pub(crate) struct Block<const L: usize> {
+#[repr(C, align(64))]
+pub(crate) struct Block {
+    /// Roll after a possible restart, rad; (n + 1, lanes).
+    pub(crate) theta: [[f64; LANES]; BLOCK + 1],
+    /// Roll velocity after a possible restart, rad/s; (n + 1, lanes).
+    pub(crate) theta_dot: [[f64; LANES]; BLOCK + 1],
+    /// Roll as measured, rad, capsize_angle at a capsize; (n + 1, lanes).
+    pub(crate) measured: [[f64; LANES]; BLOCK + 1],
+    /// Largest measured roll over each step, both ends and the peak inside included, rad; (n, lanes).
+    pub(crate) maximum: [[f64; LANES]; BLOCK],
+    /// Capsizes in this block.
+    pub(crate) capsizes: [f64; LANES],
     /// Steps in use.
     pub(crate) n: usize,
-    /// Roll after a possible restart, rad; (n + 1, L).
-    pub(crate) theta: [[f64; L]; BLOCK + 1],
-    /// Roll velocity after a possible restart, rad/s; (n + 1, L).
-    pub(crate) theta_dot: [[f64; L]; BLOCK + 1],
-    /// Roll as measured, rad, capsize_angle at a capsize; (n + 1, L).
-    pub(crate) measured: [[f64; L]; BLOCK + 1],
-    /// Largest measured roll over each step, both ends and the peak inside included, rad; (n, L).
-    pub(crate) maximum: [[f64; L]; BLOCK],
-    /// Capsizes in this block.
-    pub(crate) capsizes: [f64; L],
 }
 
-impl<const L: usize> Block<L> {
+impl Block {
     /// A block of no steps yet, which ends in the given states.
     #[inline(always)]
     fn starting(rules: Rules, initial: &[RollState]) -> Self {
         let mut block = Self {
+            theta: [[0.0; LANES]; BLOCK + 1],
+            theta_dot: [[0.0; LANES]; BLOCK + 1],
+            measured: [[0.0; LANES]; BLOCK + 1],
+            maximum: [[0.0; LANES]; BLOCK],
+            capsizes: [0.0; LANES],
             n: 0,
-            theta: [[0.0; L]; BLOCK + 1],
-            theta_dot: [[0.0; L]; BLOCK + 1],
-            measured: [[0.0; L]; BLOCK + 1],
-            maximum: [[0.0; L]; BLOCK],
-            capsizes: [0.0; L],
         };
         for (lane, state) in initial.iter().enumerate() {
             block.theta[0][lane] = state.theta;
@@ -216,7 +225,7 @@ impl<const L: usize> Block<L> {
     #[inline(always)]
     fn advance<const CUBIC: bool>(
         &mut self,
-        equation: &RollEquation<L, CUBIC>,
+        equation: &RollEquation<LANES, CUBIC>,
         rules: Rules,
         n: usize,
         eta: &[[f64; COLUMNS]; 2 * BLOCK + 1],
@@ -225,17 +234,29 @@ impl<const L: usize> Block<L> {
         self.theta[0] = theta;
         self.theta_dot[0] = theta_dot;
         self.measured[0] = self.measured[self.n];
-        let mut capsizes = [0.0; L];
+        let mut capsizes = [0.0; LANES];
         for k in 0..n {
             let forcing = [spread(&eta[2 * k]), spread(&eta[2 * k + 1]), spread(&eta[2 * k + 2])];
             let acceleration = |x, v, eta| equation.acceleration(x, v, eta);
-            let (x, v) = rk4::step(acceleration, rules.h, theta, theta_dot, forcing);
-            for i in 0..L {
-                let upright = (x[i].abs() <= rules.capsize_angle) & (v[i].abs() <= f64::MAX);
-                theta[i] = if upright { x[i] } else { 0.0 };
-                theta_dot[i] = if upright { v[i] } else { 0.0 };
-                self.measured[k + 1][i] = if upright { rules.measured(x[i]) } else { rules.capsize_angle };
-                capsizes[i] += if upright { 0.0 } else { 1.0 };
+            (theta, theta_dot) = rk4::step(acceleration, rules.h, theta, theta_dot, forcing);
+            let mut upright = true;
+            for i in 0..LANES {
+                self.measured[k + 1][i] = rules.measured(theta[i]);
+                upright &= rules.is_upright(theta[i], theta_dot[i]);
+            }
+            // Capsizes are rare: one branch for all lanes, then a select per lane.
+            if !upright {
+                for i in 0..LANES {
+                    let upright = rules.is_upright(theta[i], theta_dot[i]);
+                    theta[i] = if upright { theta[i] } else { 0.0 };
+                    theta_dot[i] = if upright { theta_dot[i] } else { 0.0 };
+                    self.measured[k + 1][i] = if upright {
+                        self.measured[k + 1][i]
+                    } else {
+                        rules.capsize_angle
+                    };
+                    capsizes[i] += if upright { 0.0 } else { 1.0 };
+                }
             }
             self.theta[k + 1] = theta;
             self.theta_dot[k + 1] = theta_dot;
@@ -248,7 +269,7 @@ impl<const L: usize> Block<L> {
     #[inline(always)]
     fn find_maxima(&mut self, rules: Rules) {
         for k in 0..self.n {
-            for first in (0..L).step_by(COLUMNS) {
+            for first in (0..LANES).step_by(COLUMNS) {
                 let [mut x, mut v] = [[[0.0; COLUMNS]; 2]; 2];
                 let mut largest = [0.0; COLUMNS];
                 let mut signs = 0;
@@ -267,7 +288,11 @@ impl<const L: usize> Block<L> {
                     let peak = hermite::extremum(rules.h, x, v);
                     for i in 0..COLUMNS {
                         let there = rules.measured(peak[i]);
-                        let there = if there > rules.capsize_angle { rules.capsize_angle } else { there };
+                        let there = if there > rules.capsize_angle {
+                            rules.capsize_angle
+                        } else {
+                            there
+                        };
                         largest[i] = if there > largest[i] { there } else { largest[i] };
                     }
                 }
@@ -279,9 +304,9 @@ impl<const L: usize> Block<L> {
 
 /// The elevation of each lane's column.
 #[inline(always)]
-fn spread<const L: usize>(eta: &[f64; COLUMNS]) -> [f64; L] {
-    let mut result = [0.0; L];
-    for i in 0..L {
+fn spread(eta: &[f64; COLUMNS]) -> [f64; LANES] {
+    let mut result = [0.0; LANES];
+    for i in 0..LANES {
         result[i] = eta[i % COLUMNS];
     }
     result

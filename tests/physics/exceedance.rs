@@ -1,0 +1,107 @@
+//! Claims about exceedance probabilities.
+
+use super::roll_twin::truth;
+use encounter::numerics::random;
+use encounter::ship::exceedance::{Exceedances, Thresholds, random_sampling_sd};
+use encounter::ship::response::{Moments, Truth};
+use rand_chacha::ChaCha12Rng;
+use rand_chacha::rand_core::SeedableRng;
+
+const FIELDS: [&[f64]; 3] = [&[0.1, 0.5, 0.9], &[0.5, 0.6], &[]];
+
+#[test]
+fn thresholds_are_the_decimals_they_are_written_as() {
+    let values = truth().thresholds.values();
+    assert_eq!(values.len(), 49);
+    assert_eq!((values[0], values[7], values[28], values[48]), (0.0, 0.175, 0.7, 1.2));
+}
+
+#[test]
+fn exceedance_is_strict_and_counted_over_all_groups() {
+    let curve = Exceedances::of_fields(&[0.0, 0.5, 0.9], FIELDS).curve("truth", 0.02, &[0.0, 0.5, 0.9]);
+    assert_eq!(curve.probability, [1.0, 2.0 / 5.0, 0.0]);
+    assert_eq!((curve.n, curve.epsilon_1), (5, 0.02));
+    // (T1) at 0.5: c = 1, 1 of n = 3, 2; P = .4: (1 - 1.2)^2 + (1 - .8)^2 = .08.
+    assert!((curve.standard_error[1] - (0.08_f64 / 25.0).sqrt()).abs() < 1e-15);
+    assert_eq!((curve.standard_error[0], curve.standard_error[2]), (0.0, 0.0));
+}
+
+#[test]
+fn pieces_add_up_to_the_whole() {
+    let theta_t = [0.3, 0.55];
+    let mut sum = Exceedances::none(2);
+    for field in FIELDS {
+        sum.merge(&Exceedances::of_fields(&theta_t, [field]));
+    }
+    assert_eq!(sum, Exceedances::of_fields(&theta_t, FIELDS));
+}
+
+#[test]
+fn without_groups_there_is_no_probability() {
+    let curve = Exceedances::of_fields(&[0.5], [&[] as &[f64]]).curve("cic", 0.0, &[0.5]);
+    assert_eq!((curve.n, curve.theta_t.len()), (0, 1));
+    assert!(curve.probability.is_empty() && curve.standard_error.is_empty());
+    assert_eq!(random_sampling_sd(0.5, 0), None);
+    assert_eq!(Moments::of(&[]), None);
+}
+
+#[test]
+fn with_one_group_per_field_the_standard_error_is_the_binomial_one() {
+    let r: Vec<f64> = (0..1000).map(|i| if i % 10 == 0 { 1.0 } else { 0.0 }).collect();
+    let counts = Exceedances::of_fields(&[0.5], r.chunks(1));
+    let binomial = random_sampling_sd(0.1, 1000).expect("n > 0");
+    assert!((counts.standard_error(0).expect("n > 0") - binomial).abs() < 1e-15);
+}
+
+#[test]
+fn random_sampling_spreads_as_the_binomial_law_says() {
+    let mut stream = ChaCha12Rng::seed_from_u64(2022);
+    for (p, percent) in [(0.0421, 43.5), (0.0172, 69.0), (0.0232, 59.2), (0.0076, 104.0)] {
+        let estimate = |_| (0..120).filter(|_| random::uniform(&mut stream) < p).count() as f64 / 120.0;
+        let estimates: Vec<f64> = (0..20_000).map(estimate).collect();
+        let drawn = Moments::of(&estimates).expect("20,000 estimates").standard_deviation;
+        let law = random_sampling_sd(p, 120).expect("n > 0");
+        assert!((drawn / law - 1.0).abs() < 0.03, "{drawn} for {law}");
+        assert!((100.0 * law / p - percent).abs() < 0.8);
+    }
+}
+
+#[test]
+fn moments_are_those_of_the_population() {
+    let moments = Moments::of(&[1.0, 2.0, 3.0, 6.0]).expect("four values");
+    assert_eq!(
+        (moments.mean, moments.standard_deviation, moments.n),
+        (3.0, 3.5_f64.sqrt(), 4)
+    );
+}
+
+#[test]
+fn thresholds_stay_below_the_capsize_angle() {
+    assert_eq!(truth().check(), Ok(()));
+    let with = |from, to, step| Truth {
+        thresholds: Thresholds { from, to, step },
+        ..truth()
+    };
+    for (bad, key) in [
+        (with(0.0, 3.2, 0.1), "thresholds.to"),
+        (with(1.0, 0.5, 0.1), "thresholds.to"),
+        (with(0.0, 1.0, 1e-9), "thresholds.step"),
+    ] {
+        let error = bad.check().expect_err("out of bounds");
+        assert!(error.starts_with(key), "{error}");
+    }
+    let level = Truth {
+        temporal_level: 4.0,
+        ..truth()
+    };
+    assert!(level.check().expect_err("too high").starts_with("temporal_level"));
+}
+
+#[test]
+fn the_temporal_level_may_be_left_out() {
+    let text = r#"{"window":2.0,"roll":"absolute","capsize_angle":3.14,"capsize":"discard_field",
+        "thresholds":{"from":0.0,"to":1.2,"step":0.025}}"#;
+    let decoded: Truth = serde_json::from_str(text).expect("the contract's keys");
+    assert_eq!(decoded.temporal_level, 0.25);
+    assert!(serde_json::from_str::<Truth>(&text.replace("window", "windows")).is_err());
+}
