@@ -243,15 +243,23 @@ pub fn power_of_ten(n: i32) -> String {
     if n == 0 {
         return "1".to_owned();
     }
-    let raised = n.to_string().chars().map(|c| match c {
-        '-' => '⁻',
-        '1' => '¹',
-        '2' => '²',
-        '3' => '³',
-        '0' => '⁰',
-        digit => char::from_u32(0x2070 + (digit as u32 - '0' as u32)).expect("superscript four to nine exist"),
-    });
-    format!("10{}", raised.collect::<String>())
+    let mut text = String::from("10");
+    for c in n.to_string().chars() {
+        text.push(match c {
+            '-' => '⁻',
+            '1' => '¹',
+            '2' => '²',
+            '3' => '³',
+            '4' => '⁴',
+            '5' => '⁵',
+            '6' => '⁶',
+            '7' => '⁷',
+            '8' => '⁸',
+            '9' => '⁹',
+            _ => '⁰',
+        });
+    }
+    text
 }
 
 /// 10^n by multiplication.
