@@ -9,3 +9,4 @@ pub mod sea;
 pub mod ship;
 #[path = "../stages/mod.rs"]
 pub mod stages;
+pub mod plot;

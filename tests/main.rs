@@ -1,3 +1,4 @@
 //! One test binary: every test is a claim.
 
 mod physics;
+mod plots;

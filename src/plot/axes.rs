@@ -1,0 +1,268 @@
+//! Axes: where a value stands, which ticks it meets, and what of a curve lies inside the frame.
+//!
+//! A logarithmic axis is a linear one on log10 of the values: plotters' own logarithmic axes use the platform's ln and
+//! powf, label 1e-4 as 9.999999999999999e-5 and spare neither minor grid nor markers outside the frame.
+//!
+//! | code | meaning |
+//! |---|---|
+//! | `low`, `high` | ends of the axis on its own scale (log10 of the value on a logarithmic one) |
+//! | `at` | position of a tick on that scale |
+//!
+//! Tested in `tests/plots/axes.rs`.
+
+use crate::numerics::elementary::log10;
+
+/// How values are laid out along an axis.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Scale {
+    /// Equal differences, equal lengths.
+    Linear,
+    /// Equal ratios, equal lengths.
+    Log,
+}
+
+/// A tick; without a label it is a minor one.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Tick {
+    /// Position on the axis's own scale.
+    pub at: f64,
+    /// What stands beside it.
+    pub label: String,
+}
+
+/// One axis of a panel.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Axis {
+    /// Lower end on its own scale.
+    pub low: f64,
+    /// Upper end on its own scale.
+    pub high: f64,
+    /// How values are laid out.
+    pub scale: Scale,
+    /// Major and minor ticks, ascending.
+    pub ticks: Vec<Tick>,
+    /// Marked-up label; may be empty.
+    pub label: String,
+    /// Whether tick labels are written.
+    pub labelled: bool,
+}
+
+impl Axis {
+    /// A linear axis from `low` to `high` with about `count` ticks at round values.
+    pub fn linear(low: f64, high: f64, count: u32, label: &str) -> Axis {
+        let (low, high) = if high > low { (low, high) } else { (low, low + 1.0) };
+        let (values, decimals) = round_values(low, high, count);
+        let ticks = values
+            .into_iter()
+            .map(|at| Tick {
+                at,
+                label: fixed(at, decimals),
+            })
+            .collect();
+        Axis {
+            low,
+            high,
+            scale: Scale::Linear,
+            ticks,
+            label: label.to_owned(),
+            labelled: true,
+        }
+    }
+
+    /// A linear axis from zero over the largest of `values`, extended to the next tick.
+    pub fn from_zero(values: impl Iterator<Item = f64>, count: u32, label: &str) -> Axis {
+        let mut largest = 0.0;
+        for value in values {
+            if value.is_finite() && value > largest {
+                largest = value;
+            }
+        }
+        let largest = if largest > 0.0 { largest * 1.04 } else { 1.0 };
+        let (step, _) = round_step(largest, count);
+        Axis::linear(0.0, step * (largest / step).ceil(), count, label)
+    }
+
+    /// A logarithmic axis over whole decades, labelled 10ⁿ.
+    pub fn decades(low: i32, high: i32, label: &str) -> Axis {
+        let high = if high > low { high } else { low + 1 };
+        let every = (high - low - 1) / 6 + 1;
+        let mut ticks = Vec::new();
+        for n in low..=high {
+            let named = (high - n) % every == 0;
+            ticks.push(Tick {
+                at: f64::from(n),
+                label: if named { power_of_ten(n) } else { String::new() },
+            });
+            for digit in 2..10 {
+                let at = f64::from(n) + log10(f64::from(digit));
+                if n < high && every == 1 {
+                    ticks.push(Tick {
+                        at,
+                        label: String::new(),
+                    });
+                }
+            }
+        }
+        let (low, high) = (f64::from(low), f64::from(high));
+        Axis {
+            low,
+            high,
+            scale: Scale::Log,
+            ticks,
+            label: label.to_owned(),
+            labelled: true,
+        }
+    }
+
+    /// A logarithmic axis between any two positive values, labelled 1, 3, 10, 30 .. in plain digits.
+    pub fn counts(low: f64, high: f64, label: &str) -> Axis {
+        let low = if low > 0.0 { low } else { 1.0 };
+        let high = if high > low { high } else { 10.0 * low };
+        let mut ticks = Vec::new();
+        let mut decade = 1.0;
+        while decade <= high && decade < 1e15 {
+            for digit in 1..10 {
+                let value = f64::from(digit) * decade;
+                if value >= low && value <= high {
+                    let label = if digit == 1 || digit == 3 {
+                        fixed(value, 0)
+                    } else {
+                        String::new()
+                    };
+                    ticks.push(Tick {
+                        at: log10(value),
+                        label,
+                    });
+                }
+            }
+            decade *= 10.0;
+        }
+        let (low, high) = (log10(low), log10(high));
+        Axis {
+            low,
+            high,
+            scale: Scale::Log,
+            ticks,
+            label: label.to_owned(),
+            labelled: true,
+        }
+    }
+
+    /// The same axis without its words, for panels that share those of a neighbour.
+    #[must_use]
+    pub fn bare(mut self) -> Axis {
+        self.labelled = false;
+        self.label.clear();
+        self
+    }
+
+    /// A value on the axis's own scale; none if it has no place there (not finite, or no logarithm).
+    pub fn place(&self, value: f64) -> Option<f64> {
+        match self.scale {
+            Scale::Linear => value.is_finite().then_some(value),
+            Scale::Log => (value.is_finite() && value > 0.0).then(|| log10(value)),
+        }
+    }
+
+    /// Position as a fraction of the axis's length, 0 at its lower end.
+    pub fn fraction(&self, at: f64) -> f64 {
+        (at - self.low) / (self.high - self.low)
+    }
+
+    /// Whether a position lies between the ends.
+    pub fn holds(&self, at: f64) -> bool {
+        at >= self.low && at <= self.high
+    }
+}
+
+/// A round step (1, 2, 2.5 or 5 times a power of ten) that cuts `span` about `count` times, and the decimals it needs.
+pub fn round_step(span: f64, count: u32) -> (f64, usize) {
+    let wanted = span / f64::from(count.max(1));
+    if !(wanted.is_finite() && wanted > 1e-12 && wanted < 1e12) {
+        return (if span > 0.0 && span.is_finite() { span } else { 1.0 }, 3);
+    }
+    let mut decimals = 0_usize;
+    let mut scaled = wanted;
+    while scaled < 1.0 {
+        scaled *= 10.0;
+        decimals += 1;
+    }
+    let mut decade = 1.0;
+    while scaled >= 10.0 {
+        scaled /= 10.0;
+        decade *= 10.0;
+    }
+    let (digit, more) = match scaled {
+        x if x < 1.4 => (1.0, 0),
+        x if x < 2.2 => (2.0, 0),
+        x if x < 3.2 => (2.5, 1),
+        x if x < 7.0 => (5.0, 0),
+        _ => (10.0, 0),
+    };
+    let step = digit * decade / ten_to(decimals);
+    let more = if decade > 1.0 { 0 } else { more };
+    (
+        step,
+        if digit == 10.0 {
+            decimals.saturating_sub(1)
+        } else {
+            decimals + more
+        },
+    )
+}
+
+/// Multiples of a round step within [low, high], and the decimals of their labels.
+pub fn round_values(low: f64, high: f64, count: u32) -> (Vec<f64>, usize) {
+    let (step, decimals) = round_step(high - low, count);
+    let slack = 1e-9 * (high - low);
+    let first = ((low - slack) / step).ceil();
+    let mut values = Vec::new();
+    for i in 0..1000 {
+        let value = (first + f64::from(i)) * step;
+        if value > high + slack {
+            break;
+        }
+        values.push(value);
+    }
+    (values, decimals)
+}
+
+/// A number with a true minus sign and the given decimals; never "−0".
+pub fn fixed(value: f64, decimals: usize) -> String {
+    let digits = format!("{:.decimals$}", value.abs());
+    let zero = digits.bytes().all(|byte| byte == b'0' || byte == b'.');
+    if value < 0.0 && !zero {
+        format!("−{digits}")
+    } else {
+        digits
+    }
+}
+
+/// 10ⁿ in Unicode superscripts; 1 for n = 0.
+pub fn power_of_ten(n: i32) -> String {
+    if n == 0 {
+        return "1".to_owned();
+    }
+    let mut text = String::from("10");
+    for c in n.to_string().chars() {
+        text.push(match c {
+            '-' => '⁻',
+            '1' => '¹',
+            '2' => '²',
+            '3' => '³',
+            '4' => '⁴',
+            '5' => '⁵',
+            '6' => '⁶',
+            '7' => '⁷',
+            '8' => '⁸',
+            '9' => '⁹',
+            _ => '⁰',
+        });
+    }
+    text
+}
+
+/// 10^n by multiplication.
+fn ten_to(n: usize) -> f64 {
+    (0..n).fold(1.0, |product, _| product * 10.0)
+}

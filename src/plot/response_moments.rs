@@ -1,0 +1,238 @@
+//! Figure 4: mean and standard deviation of the random response R(a,l) by the methods, at a few group shapes.
+//!
+//! | paper | code | unit | meaning |
+//! |---|---|---|---|
+//! | R(a,l) | `mean`, `std` | rad | largest roll in a group of given shape |
+//! | ε₁ | `epsilon_1` | 1/(m s²) | parametric excitation |
+//!
+//! Tested in `tests/plots/figures.rs`.
+
+use super::axes::Axis;
+use super::csv;
+use super::legend::{Entry, Sample, method, strip};
+use super::panel::{Panel, Stroke};
+use super::style::{self, Method};
+use super::svg::Sheet;
+use super::{Error, same_length};
+
+/// One method's moments over ε₁.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Moments {
+    /// Whose they are.
+    pub method: Method,
+    /// Parametric excitations, 1/(m s²).
+    pub epsilon_1: Vec<f64>,
+    /// Means of R, rad, as many.
+    pub mean: Vec<f64>,
+    /// Population standard deviations of R, rad, as many.
+    pub std: Vec<f64>,
+}
+
+/// One column: a group shape.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Shape {
+    /// Length over peak period.
+    pub l_over_tp: f64,
+    /// Amplitude over significant wave height.
+    pub a_over_hs: f64,
+    /// Number of groups of about this shape.
+    pub groups: u64,
+    /// The methods' moments.
+    pub moments: Vec<Moments>,
+}
+
+/// What Figure 4 shows.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ResponseMoments {
+    /// Name of the ship.
+    pub ship: String,
+    /// Name of the sea.
+    pub spectrum: String,
+    /// The group shapes.
+    pub shapes: Vec<Shape>,
+}
+
+/// Width of a panel, px.
+const WIDTH: f64 = 256.0;
+/// Height of a panel, px.
+const HEIGHT: f64 = 150.0;
+/// Left border of the first panel, px.
+const LEFT: f64 = 62.0;
+/// Distance of columns, px.
+const COLUMN: f64 = 278.0;
+/// Upper borders of the two rows, px.
+const TOPS: [f64; 2] = [34.0, 214.0];
+
+/// Draws Figure 4.
+pub fn draw(figure: &ResponseMoments) -> Result<String, Error> {
+    for moments in figure.shapes.iter().flat_map(|shape| &shape.moments) {
+        same_length("mean of R", moments.epsilon_1.len(), moments.mean.len())?;
+        same_length("standard deviation of R", moments.epsilon_1.len(), moments.std.len())?;
+    }
+    let width = LEFT + COLUMN * figure.shapes.len().max(1) as f64;
+    let mut sheet = Sheet::new(width, 442.0);
+    let x = epsilon_axis(figure);
+    let all = || figure.shapes.iter().flat_map(|shape| &shape.moments);
+    let means = Axis::from_zero(all().flat_map(|m| m.mean.iter().copied()), 5, "mean of *R* (rad)");
+    let stds = Axis::from_zero(all().flat_map(|m| m.std.iter().copied()), 5, "std. dev. of *R* (rad)");
+    for (j, shape) in figure.shapes.iter().enumerate() {
+        let left = LEFT + COLUMN * j as f64;
+        let own = |axis: &Axis| if j == 0 { axis.clone() } else { axis.clone().bare() };
+        let upper = Panel {
+            left,
+            top: TOPS[0],
+            width: WIDTH,
+            height: HEIGHT,
+            x: x.clone().bare(),
+            y: own(&means),
+        };
+        let lower = Panel {
+            left,
+            top: TOPS[1],
+            width: WIDTH,
+            height: HEIGHT,
+            x: x.clone(),
+            y: own(&stds),
+        };
+        upper.frame(&mut sheet)?;
+        lower.frame(&mut sheet)?;
+        let letters = [
+            char::from(b'a' + (j % 13) as u8),
+            char::from(b'a' + ((j + figure.shapes.len()) % 26) as u8),
+        ];
+        upper.title(&mut sheet, &format!("({})", letters[0]), &shape_title(shape));
+        lower.title(&mut sheet, &format!("({})", letters[1]), "");
+        draw_moments(&mut sheet, &upper, shape, |moments| &moments.mean)?;
+        draw_moments(&mut sheet, &lower, shape, |moments| &moments.std)?;
+    }
+    strip(&mut sheet, width / 2.0, 412.0, width - 20.0, &legend(figure))?;
+    let what = format!(
+        "Ship: {}. Sea: {}. Mean (upper row) and standard deviation (lower row) of the largest roll in groups of a given \
+         length and amplitude against epsilon_1, one column per shape. Black dots: truth. Green dash-dotted: CIC. Orange: \
+         PIC. Blue: NIC.",
+        figure.ship, figure.spectrum
+    );
+    Ok(sheet.finish("Figure 4: mean and standard deviation of the response", &what))
+}
+
+/// The head of a column.
+fn shape_title(shape: &Shape) -> String {
+    let count = if shape.groups == 1 {
+        "1 group".to_owned()
+    } else {
+        format!("{} groups", shape.groups)
+    };
+    format!(
+        "*L*/*T*_{{p}} = {}, *A*/*H*_{{s}} = {} ({count})",
+        shape.l_over_tp, shape.a_over_hs
+    )
+}
+
+/// ε₁ with room on both sides, so that no mark stands on the frame.
+fn epsilon_axis(figure: &ResponseMoments) -> Axis {
+    let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+    for moments in figure.shapes.iter().flat_map(|shape| &shape.moments) {
+        for &epsilon_1 in moments.epsilon_1.iter().filter(|epsilon_1| epsilon_1.is_finite()) {
+            low = if epsilon_1 < low { epsilon_1 } else { low };
+            high = if epsilon_1 > high { epsilon_1 } else { high };
+        }
+    }
+    let (low, high) = if low <= high { (low, high) } else { (0.0, 1.0) };
+    let span = if high > low { high - low } else { high.abs().max(1e-3) };
+    Axis::linear(low - 0.07 * span, high + 0.07 * span, 5, "*ε*_{1} (m^{−1} s^{−2})")
+}
+
+/// Draws one moment by every method, the truth's dots last.
+fn draw_moments(
+    sheet: &mut Sheet,
+    panel: &Panel,
+    shape: &Shape,
+    moment: impl Fn(&Moments) -> &Vec<f64>,
+) -> Result<(), Error> {
+    let points = |moments: &Moments| -> Vec<(f64, f64)> {
+        moments
+            .epsilon_1
+            .iter()
+            .copied()
+            .zip(moment(moments).iter().copied())
+            .collect()
+    };
+    for wanted in [Method::Cic, Method::Pic, Method::NicGroups, Method::Nic] {
+        for moments in shape.moments.iter().filter(|moments| moments.method == wanted) {
+            let look = Stroke {
+                colour: wanted.colour(),
+                width: style::LINE,
+                dash: wanted.dash(),
+            };
+            panel.line(sheet, &points(moments), look)?;
+            panel.rings(sheet, &points(moments), 3.4, Stroke { width: 1.4, ..look })?;
+        }
+    }
+    for moments in shape.moments.iter().filter(|moments| moments.method == Method::Truth) {
+        panel.dots(sheet, &points(moments), 2.3, style::BLACK)?;
+    }
+    Ok(())
+}
+
+/// The methods that occur, lines with their marks.
+fn legend(figure: &ResponseMoments) -> Vec<Entry> {
+    let occurs = |wanted: Method| {
+        figure
+            .shapes
+            .iter()
+            .flat_map(|shape| &shape.moments)
+            .any(|moments| moments.method == wanted)
+    };
+    let mut entries = Vec::new();
+    for wanted in Method::ALL.into_iter().filter(|wanted| occurs(*wanted)) {
+        let Entry { sample, name } = method(wanted);
+        let sample = if let Sample::Line(look) = sample {
+            Sample::Marked(look)
+        } else {
+            sample
+        };
+        entries.push(Entry {
+            sample,
+            name: if wanted == Method::Truth {
+                "truth".to_owned()
+            } else {
+                name
+            },
+        });
+    }
+    entries
+}
+
+/// The data of Figure 4.
+pub fn csv(figure: &ResponseMoments) -> String {
+    let header = [
+        "ship",
+        "spectrum",
+        "l_over_tp",
+        "a_over_hs",
+        "groups",
+        "epsilon_1",
+        "method",
+        "mean",
+        "std",
+    ];
+    let mut rows = Vec::new();
+    for shape in &figure.shapes {
+        for moments in &shape.moments {
+            for (i, epsilon_1) in moments.epsilon_1.iter().enumerate() {
+                rows.push([
+                    figure.ship.as_str().into(),
+                    figure.spectrum.as_str().into(),
+                    shape.l_over_tp.into(),
+                    shape.a_over_hs.into(),
+                    shape.groups.into(),
+                    (*epsilon_1).into(),
+                    moments.method.name().into(),
+                    moments.mean.get(i).copied().into(),
+                    moments.std.get(i).copied().into(),
+                ]);
+            }
+        }
+    }
+    csv::write(header, rows)
+}

@@ -1,0 +1,334 @@
+//! Table 1: VHGP-Seq against random sampling, ours beside the paper's; as SVG, Markdown, LaTeX and CSV.
+//!
+//! | paper | code | unit | meaning |
+//! |---|---|---|---|
+//! | P_true | `p_true` | 1 | group exceeding probability of the long record |
+//! | mean (std) | `mean`, `std` | 1 | over the realisations; shown with std in % of the mean |
+//!
+//! The digits of every form are chosen in `probability` and `estimate`; the CSV has them all. Tested in
+//! `tests/plots/table.rs`.
+
+use super::clip::Point;
+use super::csv;
+use super::panel::{Stroke, paths};
+use super::svg::{Anchor, PLAIN, Sheet, Type, shorten};
+use super::{Error, style};
+
+/// Mean and standard deviation over the realisations.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Estimate {
+    /// Mean.
+    pub mean: f64,
+    /// Population standard deviation, in units of the mean.
+    pub std: f64,
+}
+
+/// A row of the paper's own Table 1.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Printed {
+    /// P_true.
+    pub p_true: f64,
+    /// Mean of VHGP-Seq.
+    pub sequential_mean: f64,
+    /// Its standard deviation, % of the mean.
+    pub sequential_std_percent: f64,
+    /// Mean of random sampling.
+    pub random_mean: f64,
+    /// Its standard deviation, % of the mean.
+    pub random_std_percent: f64,
+}
+
+/// One row: a sea. What is not known is none.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Row {
+    /// Name of the sea.
+    pub spectrum: String,
+    /// Threshold, rad.
+    pub theta_t: f64,
+    /// P_true.
+    pub p_true: Option<f64>,
+    /// Its standard error.
+    pub p_true_se: Option<f64>,
+    /// VHGP-Seq.
+    pub sequential: Option<Estimate>,
+    /// Random sampling.
+    pub random: Option<Estimate>,
+    /// The paper's row for the sea, if it has one at this threshold.
+    pub paper: Option<Printed>,
+}
+
+/// Table 1 of one ship.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Table {
+    /// Name of the ship.
+    pub ship: String,
+    /// Parametric excitation, 1/(m s²).
+    pub epsilon_1: f64,
+    /// Samples behind each estimate.
+    pub samples: u64,
+    /// Realisations behind mean and standard deviation.
+    pub realisations: u64,
+    /// The seas.
+    pub rows: Vec<Row>,
+}
+
+/// What stands where nothing is known.
+const NOTHING: &str = "–";
+
+/// A probability with the table's digits.
+fn probability(p: Option<f64>) -> String {
+    p.filter(|p| p.is_finite())
+        .map_or(NOTHING.to_owned(), |p| format!("{p:.4}"))
+}
+
+/// A probability and its standard error.
+fn with_error(p: Option<f64>, error: Option<f64>) -> String {
+    match error.filter(|error| error.is_finite()) {
+        Some(error) if p.is_some() => format!("{} ± {error:.4}", probability(p)),
+        _ => probability(p),
+    }
+}
+
+/// A mean with its standard deviation in per cent of it.
+fn estimate(mean: f64, std_percent: f64) -> String {
+    if std_percent.is_finite() {
+        format!("{} ({std_percent:.0} %)", probability(Some(mean)))
+    } else {
+        probability(Some(mean))
+    }
+}
+
+/// Our estimate, if there is one.
+fn ours(known: Option<Estimate>) -> String {
+    known.map_or(NOTHING.to_owned(), |known| {
+        estimate(known.mean, 100.0 * known.std / known.mean)
+    })
+}
+
+/// The eight cells of a row as they stand in every form.
+fn cells(row: &Row) -> [String; 8] {
+    let paper = |cell: fn(&Printed) -> String| row.paper.as_ref().map_or(NOTHING.to_owned(), cell);
+    [
+        row.spectrum.clone(),
+        row.theta_t.to_string(),
+        with_error(row.p_true, row.p_true_se),
+        paper(|printed| probability(Some(printed.p_true))),
+        ours(row.sequential),
+        paper(|printed| estimate(printed.sequential_mean, printed.sequential_std_percent)),
+        ours(row.random),
+        paper(|printed| estimate(printed.random_mean, printed.random_std_percent)),
+    ]
+}
+
+/// The sentence below the table.
+fn caption(table: &Table) -> String {
+    format!(
+        "Ship {}, epsilon_1 = {}; mean (standard deviation in % of the mean) of {} realisations with {} samples each; \
+         P_true ± standard error. The rows share their random phases: they are correlated.",
+        table.ship, table.epsilon_1, table.realisations, table.samples
+    )
+}
+
+/// Right ends of the columns but the first, px; the first two are set from their left and middle.
+const ENDS: [f64; 8] = [30.0, 112.0, 270.0, 340.0, 486.0, 604.0, 756.0, 880.0];
+/// Distance of rows, px.
+const LEADING: f64 = 25.0;
+
+/// Draws Table 1.
+pub fn svg(table: &Table) -> Result<String, Error> {
+    let head = 84.0;
+    let foot = head + LEADING * table.rows.len() as f64;
+    let mut sheet = Sheet::new(910.0, foot + 54.0);
+    heads(&mut sheet)?;
+    for (i, row) in table.rows.iter().enumerate() {
+        let y = head + LEADING * (i as f64 + 0.66);
+        for (j, text) in cells(row).iter().enumerate() {
+            let colour = if matches!(j, 3 | 5 | 7) {
+                style::GREY
+            } else {
+                style::BLACK
+            };
+            let look = Type {
+                size: 12.0,
+                bold: j == 0,
+                colour,
+                anchor: anchor(j),
+                ..PLAIN
+            };
+            let text = if j == 0 {
+                shorten(text, 1.1 * look.size, 48.0)
+            } else {
+                text.clone()
+            };
+            sheet.text(ENDS[j], y, look, &text);
+        }
+    }
+    rule(&mut sheet, &[((20.0, foot + 4.0), 890.0)], 1.4)?;
+    let look = Type {
+        size: style::TICK_SIZE,
+        colour: style::GREY,
+        ..PLAIN
+    };
+    let first = format!(
+        "Ship {}, *ε*_{{1}} = {}; mean (standard deviation in % of the mean) of {} realisations with {} samples each; *P*_{{true}} ± standard error.",
+        shorten(&table.ship, look.size, 150.0),
+        table.epsilon_1,
+        table.realisations,
+        table.samples
+    );
+    sheet.text(22.0, foot + 24.0, look, &first);
+    sheet.text(
+        22.0,
+        foot + 39.0,
+        look,
+        "Grey: the paper's values. The rows share their random phases: they are correlated.",
+    );
+    let what = format!(
+        "{} Columns: sea, threshold in rad, and ours beside the paper's for the truth, VHGP-Seq and random sampling.",
+        caption(table)
+    );
+    Ok(sheet.finish("Table 1: VHGP-Seq against random sampling", &what))
+}
+
+/// How a column is set.
+fn anchor(column: usize) -> Anchor {
+    if column == 0 { Anchor::Start } else { Anchor::End }
+}
+
+/// The two lines of heads and the rules around them.
+fn heads(sheet: &mut Sheet) -> Result<(), Error> {
+    let groups = [(2, "*P*_{true}"), (4, "VHGP-Seq"), (6, "random sampling")];
+    let bold = Type {
+        size: style::TITLE_SIZE,
+        bold: true,
+        anchor: Anchor::Middle,
+        ..PLAIN
+    };
+    let mut rules = Vec::new();
+    for (column, name) in groups {
+        let (left, right) = (ENDS[column - 1] + 34.0, ENDS[column + 1]);
+        sheet.text((left + right) / 2.0, 36.0, bold, name);
+        rules.push(((left, 47.0), right));
+    }
+    let names = [
+        "sea",
+        "*θ*_{t} (rad)",
+        "ours",
+        "paper",
+        "ours",
+        "paper",
+        "ours",
+        "paper",
+    ];
+    for (j, name) in names.into_iter().enumerate() {
+        let look = Type {
+            size: style::LABEL_SIZE,
+            anchor: anchor(j),
+            ..PLAIN
+        };
+        sheet.text(ENDS[j], 66.0, look, name);
+    }
+    rule(sheet, &rules, 0.7)?;
+    rule(sheet, &[((20.0, 14.0), 890.0)], 1.4)?;
+    rule(sheet, &[((20.0, 78.0), 890.0)], 0.9)
+}
+
+/// Horizontal rules from a point to a right end.
+fn rule(sheet: &mut Sheet, rules: &[(Point, f64)], width: f64) -> Result<(), Error> {
+    let lines: Vec<Vec<Point>> = rules
+        .iter()
+        .map(|&((left, y), right)| vec![(left, y), (right, y)])
+        .collect();
+    paths(
+        sheet,
+        "",
+        &lines,
+        Stroke {
+            colour: style::BLACK,
+            width,
+            dash: &[],
+        },
+    )
+}
+
+/// Writes Table 1 as Markdown.
+pub fn markdown(table: &Table) -> String {
+    let mut text = String::from(
+        "| sea | θ_t (rad) | P_true | paper | VHGP-Seq: mean (std) | paper | random: mean (std) | paper |\n\
+         |---|---|---|---|---|---|---|---|\n",
+    );
+    for row in &table.rows {
+        text.push_str(&format!(
+            "| {} |\n",
+            cells(row).map(|cell| cell.replace('|', "\\|")).join(" | ")
+        ));
+    }
+    format!("{text}\n{}\n", caption(table))
+}
+
+/// Writes Table 1 as LaTeX (`booktabs`).
+pub fn latex(table: &Table) -> String {
+    let mut text = String::from(
+        "\\begin{tabular}{lccccccc}\n\\toprule\n & & \\multicolumn{2}{c}{$P_{\\mathrm{true}}$} & \
+         \\multicolumn{2}{c}{VHGP-Seq: mean (std)} & \\multicolumn{2}{c}{random: mean (std)} \\\\\n\
+         \\cmidrule(lr){3-4}\\cmidrule(lr){5-6}\\cmidrule(lr){7-8}\n\
+         sea & $\\theta_t$ (rad) & ours & paper & ours & paper & ours & paper \\\\\n\\midrule\n",
+    );
+    for row in &table.rows {
+        text.push_str(&format!("{} \\\\\n", cells(row).map(|cell| tex(&cell)).join(" & ")));
+    }
+    format!("{text}\\bottomrule\n\\end{{tabular}}\n% {}\n", caption(table))
+}
+
+/// A cell's text with LaTeX's own characters escaped.
+fn tex(text: &str) -> String {
+    let mut escaped = String::with_capacity(text.len());
+    for c in text.chars() {
+        match c {
+            '_' | '%' | '&' | '#' | '$' | '{' | '}' => escaped.extend(['\\', c]),
+            '±' => escaped.push_str("$\\pm$"),
+            '–' => escaped.push_str("--"),
+            c => escaped.push(c),
+        }
+    }
+    escaped.replace(" \\%", "\\,\\%")
+}
+
+/// Writes `table1.csv`, columns as in the contract of published files.
+pub fn csv(table: &Table) -> String {
+    let header = [
+        "spectrum",
+        "theta_t",
+        "p_true",
+        "p_true_se",
+        "sequential_mean",
+        "sequential_std",
+        "random_mean",
+        "random_std",
+        "paper_p_true",
+        "paper_sequential_mean",
+        "paper_sequential_std_percent",
+        "paper_random_mean",
+        "paper_random_std_percent",
+    ];
+    csv::write(
+        header,
+        table.rows.iter().map(|row| {
+            [
+                row.spectrum.as_str().into(),
+                row.theta_t.into(),
+                row.p_true.into(),
+                row.p_true_se.into(),
+                row.sequential.map(|known| known.mean).into(),
+                row.sequential.map(|known| known.std).into(),
+                row.random.map(|known| known.mean).into(),
+                row.random.map(|known| known.std).into(),
+                row.paper.map(|printed| printed.p_true).into(),
+                row.paper.map(|printed| printed.sequential_mean).into(),
+                row.paper.map(|printed| printed.sequential_std_percent).into(),
+                row.paper.map(|printed| printed.random_mean).into(),
+                row.paper.map(|printed| printed.random_std_percent).into(),
+            ]
+        }),
+    )
+}
