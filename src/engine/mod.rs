@@ -1,0 +1,3 @@
+//! The cache: knows no wave and no ship; imports nothing of ours.
+
+pub mod code;
