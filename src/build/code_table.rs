@@ -1,7 +1,8 @@
 //! The code table: per file two hashes, per stage the files and the crates its results depend on.
 
-use crate::code_graph::{CodeGraph, Sources};
+use crate::code_graph::CodeGraph;
 use crate::crate_graph::{Crate, CrateGraph};
+use crate::modules::Sources;
 use crate::tokens::{byte_hash, token_hash};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -41,7 +42,7 @@ impl CodeTable {
         let crates = CrateGraph::new(manifest, lock)?;
         let code = CodeGraph::new(sources, crates.names())?;
         let mut files = BTreeMap::new();
-        for (path, file) in &code.files {
+        for (path, file) in &code.tree.files {
             let row = FileRow {
                 tokens: token_hash(&file.syntax),
                 bytes: byte_hash(&sources[path]),
@@ -53,7 +54,7 @@ impl CodeTable {
             let closure = code.closure(stage);
             let names = closure
                 .iter()
-                .flat_map(|path| code.files[path].crates.iter().cloned())
+                .flat_map(|path| code.links[path].crates.iter().cloned())
                 .collect();
             let row = StageRow {
                 files: closure

@@ -6,6 +6,7 @@
 mod code_graph;
 mod code_table;
 mod crate_graph;
+mod modules;
 mod paths;
 mod tokens;
 
