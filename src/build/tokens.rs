@@ -17,7 +17,8 @@ pub(crate) fn parse(text: &str) -> syn::Result<syn::File> {
 /// The BLAKE3 of the normal form, in hex.
 pub(crate) fn token_hash(file: &syn::File) -> String {
     let mut normal = Vec::new();
-    write(file.to_token_stream(), &mut normal);
+    let trees: Vec<TokenTree> = file.to_token_stream().into_iter().collect();
+    write(&trees, &mut normal);
     blake3::hash(&normal).to_hex().to_string()
 }
 
@@ -76,8 +77,7 @@ fn is_test(attributes: &[Attribute]) -> bool {
 }
 
 /// Appends the normal form of a stream: per token a kind, and a length before every text.
-fn write(stream: TokenStream, normal: &mut Vec<u8>) {
-    let trees: Vec<TokenTree> = stream.into_iter().collect();
+fn write(trees: &[TokenTree], normal: &mut Vec<u8>) {
     let mut i = 0;
     while i < trees.len() {
         let doc = doc_length(&trees[i..]);
@@ -89,7 +89,8 @@ fn write(stream: TokenStream, normal: &mut Vec<u8>) {
             TokenTree::Group(group) => {
                 let is_call = i > 0 && matches!(&trees[i - 1], TokenTree::Ident(name) if !is_keyword(name));
                 normal.push(opening(group.delimiter()));
-                write(without_last_comma(group, is_call), normal);
+                let inner: Vec<TokenTree> = group.stream().into_iter().collect();
+                write(without_last_comma(&inner, group.delimiter(), is_call), normal);
                 normal.push(b'e');
             }
             TokenTree::Ident(ident) => write_text(b'i', &ident.to_string(), normal),
@@ -136,17 +137,23 @@ fn is_doc(attribute: TokenStream) -> bool {
 }
 
 /// The content of a group without its trailing comma, unless that comma makes the tuple `(a,)`.
-fn without_last_comma(group: &proc_macro2::Group, is_call: bool) -> TokenStream {
-    let is_comma = |tree: &TokenTree| matches!(tree, TokenTree::Punct(p) if p.as_char() == ',');
-    let mut trees: Vec<TokenTree> = group.stream().into_iter().collect();
-    let commas = trees.iter().filter(|tree| is_comma(tree)).count();
-    let is_list = group.delimiter() != Delimiter::Parenthesis || is_call || commas > 1;
-    if is_list && trees.last().is_some_and(is_comma) {
-        trees.pop();
+fn without_last_comma(inner: &[TokenTree], delimiter: Delimiter, is_call: bool) -> &[TokenTree] {
+    let is_comma = |tree: &TokenTree| matches!(tree, TokenTree::Punct(punct) if punct.as_char() == ',');
+    match inner.split_last() {
+        Some((last, rest)) if is_comma(last) => {
+            let is_list = delimiter != Delimiter::Parenthesis || is_call || rest.iter().any(is_comma);
+            if is_list { rest } else { inner }
+        }
+        _ => inner,
     }
-    trees.into_iter().collect()
 }
 
+/// Words after which a parenthesis is no call.
 fn is_keyword(name: &proc_macro2::Ident) -> bool {
-    syn::parse_str::<syn::Ident>(&name.to_string()).is_err()
+    [
+        "as", "break", "dyn", "else", "for", "if", "impl", "in", "let", "match", "move", "mut", "ref", "return",
+        "where", "while",
+    ]
+    .iter()
+    .any(|word| name == word)
 }
