@@ -32,7 +32,7 @@ fn natural() -> Envelopes {
 
 #[test]
 fn planted_groups_are_found() {
-    // The third lies across the end of the period.
+    // The fourth lies across the end of the period.
     let planted = [
         (600.0, 30.0, 6.0),
         (1333.3, 55.0, 4.5),
