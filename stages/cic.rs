@@ -9,7 +9,7 @@ use crate::engine::error::Result;
 use crate::engine::stage::{Here, Pieces, Stage};
 use crate::sea::spectrum::Sea;
 use crate::sea::wave_field::Record;
-use crate::sea::wave_group::Groups;
+use crate::sea::wave_group::{Groups, Sample};
 use crate::ship::encounter::{Approach, GroupRun, max_roll_through_groups};
 use crate::ship::initial_condition::Estimate;
 use crate::ship::response::Truth;
@@ -17,7 +17,7 @@ use crate::ship::roll_equation::Ship;
 use crate::ship::sample::{SampledResponses, Selection};
 use crate::ship::simulation::Simulation;
 use crate::stages::group_detection::GroupDetection;
-use crate::stages::group_sample::{GroupSample, Sample};
+use crate::stages::group_sample::GroupSample;
 
 /// r(a, l): a number, since nothing about the encounter is random.
 pub struct Cic;
@@ -42,7 +42,7 @@ impl Stage for Cic {
     type Output = SampledResponses;
 
     fn run(p: &Params, (groups, sample): (Arc<Groups>, Arc<Sample>), here: Here<'_>) -> Result<SampledResponses> {
-        let selection = Selection::new(groups.parameters(), sample.of(&here));
+        let selection = Selection::new(groups.parameters(), sample.of(here.first, here.items));
         let t_p = p.sea.peak_period;
         let approach = Approach {
             h: p.record.h(t_p),

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use crate::engine::arrow::{All, PiecesOf};
 use crate::engine::error::Result;
 use crate::engine::stage::{Here, Stage};
-use crate::ship::exceedance::{Curve, Exceedances, Thresholds};
+use crate::ship::exceedance::{Counts, Exceedances, Probabilities, Thresholds};
 use crate::ship::response::Response;
 use crate::ship::sample::SampledResponses;
 use crate::stages::cic::Cic;
@@ -50,38 +50,6 @@ pub struct Rows {
 pub struct Row {
     sea: String,
     theta_t: f64,
-}
-
-/// Exceedance of every method, and what the truth counted beside it.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Probabilities {
-    /// One curve per method and epsilon_1 over the thresholds of Figure 3.
-    pub curves: Vec<Curve>,
-    /// The same over the threshold of Table 1 alone; no points if the sea has no row there.
-    pub table: Vec<Curve>,
-    /// What the continuous record counted, per epsilon_1.
-    pub counts: Vec<Counts>,
-}
-
-/// What the continuous record counted at one epsilon_1.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Counts {
-    /// epsilon_1, 1/(m s^2).
-    pub epsilon_1: f64,
-    /// Fields of the record.
-    pub fields: u64,
-    /// Fields that left the statistics.
-    pub dropped: u64,
-    /// Groups in the statistics.
-    pub groups: u64,
-    /// Capsizes in [0, T_f) of all fields.
-    pub capsizes: u64,
-    /// Fields with a capsize.
-    pub fields_with_capsize: u64,
-    /// Groups whose segment holds a capsize.
-    pub capsized_groups: u64,
-    /// Share of time with |theta| above the temporal level.
-    pub time_above: f64,
 }
 
 impl Stage for Exceedance {

@@ -13,7 +13,7 @@ use crate::numerics::fourier::WIDTH;
 use crate::sea::wave_field::{Record, WaveFields};
 use crate::sea::wave_group::Groups;
 use crate::ship::continuous_roll::{Timing, continuous_record};
-use crate::ship::response::{Response, Truth};
+use crate::ship::response::{Truth, Truths};
 use crate::ship::roll_equation::Ship;
 use crate::ship::sample::Selection;
 use crate::ship::simulation::Simulation;
@@ -37,15 +37,6 @@ pub struct Params {
 pub struct Longest {
     /// Longest group, envelope samples.
     longest: f64,
-}
-
-/// Responses of the fields of a piece.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Truths {
-    /// The ship's epsilon_1, 1/(m s^2).
-    pub epsilon_1: Vec<f64>,
-    /// (epsilon_1)(fields).
-    pub fields: Vec<Vec<Response>>,
 }
 
 impl Stage for GroundTruth {

@@ -8,6 +8,7 @@ use crate::engine::arrow::{All, PiecesOf};
 use crate::engine::error::Result;
 use crate::engine::stage::{Here, Stage};
 use crate::numerics::random;
+use crate::sea::wave_group::Sample;
 use crate::stages::group_detection::GroupDetection;
 
 /// `[estimate] samples` groups of the record, or all if there are fewer.
@@ -25,21 +26,6 @@ pub struct Samples {
     /// Random groups per case for CIC, PIC and NIC.
     #[serde(deserialize_with = "crate::numerics::domain::count")]
     samples: u32,
-}
-
-/// The groups drawn.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Sample {
-    /// Per field of the record: the places of its drawn groups, ascending.
-    pub fields: Vec<Vec<u32>>,
-}
-
-impl Sample {
-    /// The places of the drawn groups in the fields of a piece: (fields)(drawn).
-    pub fn of(&self, here: &Here<'_>) -> &[Vec<u32>] {
-        let first = here.first as usize;
-        &self.fields[first..first + here.items as usize]
-    }
 }
 
 impl Stage for GroupSample {

@@ -7,9 +7,10 @@ use serde::{Deserialize, Serialize};
 use crate::engine::arrow::{All, PiecesOf};
 use crate::engine::error::Result;
 use crate::engine::stage::{Here, Stage};
-use crate::numerics::density::{DensityMap, Grid, kernel_density};
+use crate::numerics::density::{Grid, kernel_density};
 use crate::numerics::sums::{mean, standard_deviation};
 use crate::sea::spectrum::Sea;
+use crate::sea::statistics::Statistics;
 use crate::sea::wave_field::Record;
 use crate::stages::group_detection::GroupDetection;
 
@@ -39,27 +40,6 @@ pub struct DensityTable {
     /// Grid points along each.
     #[serde(deserialize_with = "crate::numerics::domain::count")]
     points: u32,
-}
-
-/// Statistics of the groups of one sea.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Statistics {
-    /// Fields of the record.
-    pub fields: u64,
-    /// Groups of the record.
-    pub groups: u64,
-    /// Groups per peak period.
-    pub groups_per_tp: f64,
-    /// Mean and standard deviation of L/T_p.
-    pub l_over_tp: [f64; 2],
-    /// Mean and standard deviation of A/H_s.
-    pub a_over_hs: [f64; 2],
-    /// Correlation of the two.
-    pub correlation: f64,
-    /// Share of groups with A > H_s.
-    pub share_a_over_hs_gt_1: f64,
-    /// Kernel density on (L/T_p, A/H_s).
-    pub density: DensityMap,
 }
 
 impl Stage for GroupStatistics {
@@ -103,6 +83,7 @@ impl Stage for GroupStatistics {
         let first = l.len().min(density.groups as usize);
         let high = a.iter().filter(|a| **a > 1.0).count();
         Ok(Statistics {
+            description: p.sea.description(),
             fields,
             groups: l.len() as u64,
             groups_per_tp: l.len() as f64 / periods,

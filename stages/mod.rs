@@ -1,27 +1,26 @@
 //! The paper in order: one line per stage. A new stage is one file and one line here.
 
+pub mod axes;
 pub mod cic;
 pub mod envelope;
 pub mod exceedance;
 pub mod ground_truth;
+pub mod figures;
 pub mod group_detection;
 pub mod group_sample;
 pub mod group_statistics;
 pub mod nic;
 pub mod nic_groups;
 pub mod pic;
+pub mod random_sampling;
 pub mod response_moments;
+pub mod response_pool;
 pub mod roll_ensemble;
+pub mod vhgp_seq;
 pub mod wave_synthesis;
 
-use crate::engine::case::Axis;
 use crate::engine::node::{Node, node};
 use crate::engine::pipeline::Pipeline;
-
-/// The ships of `[run] ships`.
-pub const SHIP: Axis = Axis { table: "ship", list: "ships" };
-/// The seas of `[run] seas`.
-pub const SEA: Axis = Axis { table: "sea", list: "seas" };
 
 /// Every stage, in paper order, which is dataflow order.
 pub const CONTENTS: &[&dyn Node] = &[
@@ -38,7 +37,19 @@ pub const CONTENTS: &[&dyn Node] = &[
     node::<nic_groups::NicGroups>(),
     node::<exceedance::Exceedance>(),
     node::<response_moments::ResponseMoments>(),
+    node::<response_pool::ResponsePool>(),
+    node::<vhgp_seq::VhgpSeq>(),
+    node::<random_sampling::RandomSampling>(),
+    node::<figures::fig1_wave_groups::Fig1WaveGroups>(),
+    node::<figures::fig2_flowchart::Fig2Flowchart>(),
+    node::<figures::fig3_exceedance::Fig3Exceedance>(),
+    node::<figures::fig4_response_moments::Fig4ResponseMoments>(),
+    node::<figures::fig5_vhgp_seq::Fig5VhgpSeq>(),
+    node::<figures::fig6_jonswap_groups::Fig6JonswapGroups>(),
+    node::<figures::table1::Table1>(),
+    node::<figures::groups::Groups>(),
+    node::<figures::truth::Truth>(),
 ];
 
 /// The pipeline of the paper.
-pub const PIPELINE: Pipeline = Pipeline { axes: &[SHIP, SEA], contents: CONTENTS, optional: &[] };
+pub const PIPELINE: Pipeline = Pipeline { axes: &[axes::SHIP, axes::SEA], contents: CONTENTS, optional: &[] };

@@ -12,7 +12,7 @@ use crate::engine::error::Result;
 use crate::engine::stage::{Here, Pieces, Stage};
 use crate::numerics::fourier::WIDTH;
 use crate::sea::wave_field::{Record, WaveFields};
-use crate::sea::wave_group::Groups;
+use crate::sea::wave_group::{Groups, Sample};
 use crate::ship::encounter::{Approach, RecordRun, max_roll_along_record, max_roll_through_groups};
 use crate::ship::initial_condition::{Estimate, Nic as NicTable, NicInput};
 use crate::ship::response::Truth;
@@ -20,7 +20,7 @@ use crate::ship::roll_equation::Ship;
 use crate::ship::sample::{SampledResponses, Selection};
 use crate::ship::simulation::Simulation;
 use crate::stages::group_detection::GroupDetection;
-use crate::stages::group_sample::{GroupSample, Sample};
+use crate::stages::group_sample::GroupSample;
 use crate::stages::wave_synthesis::WaveSynthesis;
 
 /// R(a, l) by nature.
@@ -50,7 +50,7 @@ impl Stage for Nic {
         (waves, groups, sample): (Arc<WaveFields>, Arc<Groups>, Arc<Sample>),
         here: Here<'_>,
     ) -> Result<SampledResponses> {
-        let selection = Selection::new(groups.parameters(), sample.of(&here));
+        let selection = Selection::new(groups.parameters(), sample.of(here.first, here.items));
         let t_p = waves.t_p;
         let approach = Approach {
             h: p.record.h(t_p),

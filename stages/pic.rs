@@ -11,16 +11,16 @@ use crate::engine::stage::{Here, Pieces, Stage};
 use crate::numerics::random;
 use crate::sea::spectrum::Sea;
 use crate::sea::wave_field::Record;
-use crate::sea::wave_group::Groups;
+use crate::sea::wave_group::{Groups, Sample};
 use crate::ship::encounter::{Approach, GroupRun, max_roll_through_groups};
-use crate::ship::initial_condition::{Estimate, RollState};
+use crate::ship::initial_condition::{Ensemble, Estimate, RollState};
 use crate::ship::response::Truth;
 use crate::ship::roll_equation::Ship;
 use crate::ship::sample::{SampledResponses, Selection};
 use crate::ship::simulation::Simulation;
 use crate::stages::group_detection::GroupDetection;
-use crate::stages::group_sample::{GroupSample, Sample};
-use crate::stages::roll_ensemble::{Ensemble, RollEnsemble};
+use crate::stages::group_sample::GroupSample;
+use crate::stages::roll_ensemble::RollEnsemble;
 
 /// R(a, l) by the ensemble.
 pub struct Pic;
@@ -49,7 +49,7 @@ impl Stage for Pic {
         (groups, sample, ensemble): (Arc<Groups>, Arc<Sample>, Arc<Ensemble>),
         here: Here<'_>,
     ) -> Result<SampledResponses> {
-        let selection = Selection::new(groups.parameters(), sample.of(&here));
+        let selection = Selection::new(groups.parameters(), sample.of(here.first, here.items));
         let t_p = p.sea.peak_period;
         let approach = Approach {
             h: p.record.h(t_p),

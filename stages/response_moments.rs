@@ -13,15 +13,15 @@ use crate::engine::stage::{Here, Select, Stage};
 use crate::sea::spectrum::Sea;
 use crate::sea::wave_field::Record;
 use crate::ship::encounter::{Approach, Encounter, GroupRun, max_roll_through_groups};
-use crate::ship::initial_condition::Estimate;
-use crate::ship::response::{Moments, Truth};
+use crate::ship::initial_condition::{Ensemble, Estimate};
+use crate::ship::response::{Moments, Point, Truth};
 use crate::ship::roll_equation::Ship;
 use crate::ship::simulation::Simulation;
-use crate::stages::SEA;
+use crate::stages::axes::SEA;
 use crate::stages::group_detection::GroupDetection;
 use crate::stages::ground_truth::GroundTruth;
 use crate::stages::nic::Nic;
-use crate::stages::roll_ensemble::{Ensemble, RollEnsemble};
+use crate::stages::roll_ensemble::RollEnsemble;
 
 /// Mean and spread of R(a, l).
 pub struct ResponseMoments;
@@ -44,19 +44,6 @@ pub struct Bins {
     groups: Vec<[f64; 2]>,
     /// Half-widths of the bin around each, same units.
     half_width: [f64; 2],
-}
-
-/// One point of Figure 4.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Point {
-    /// epsilon_1, 1/(m s^2).
-    pub epsilon_1: f64,
-    /// (L/T_p, A/H_s).
-    pub group: [f64; 2],
-    /// truth, cic, pic or nic.
-    pub method: String,
-    /// Mean, spread and number of responses; none if the bin is empty.
-    pub moments: Option<Moments>,
 }
 
 impl Stage for ResponseMoments {

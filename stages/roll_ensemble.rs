@@ -10,7 +10,7 @@ use crate::engine::stage::{Here, Stage};
 use crate::numerics::fourier::WIDTH;
 use crate::sea::wave_field::Record;
 use crate::ship::continuous_roll::{Timing, continuous_states};
-use crate::ship::initial_condition::{Pic, RollState};
+use crate::ship::initial_condition::{Ensemble, Pic};
 use crate::ship::response::Truth;
 use crate::ship::roll_equation::Ship;
 use crate::ship::simulation::Simulation;
@@ -26,15 +26,6 @@ pub struct Params {
     record: Record,
     truth: Truth,
     pic: Pic,
-}
-
-/// The states that PIC draws from.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Ensemble {
-    /// The ship's epsilon_1, 1/(m s^2).
-    pub epsilon_1: Vec<f64>,
-    /// (epsilon_1)(times), in the order of the record; equal times along epsilon_1.
-    pub states: Vec<Vec<RollState>>,
 }
 
 impl Stage for RollEnsemble {

@@ -14,7 +14,8 @@ use crate::engine::error::{Error, Result};
 use crate::engine::graph::{Graph, Target};
 use crate::engine::params::ParamsFile;
 use crate::engine::store::Store;
-use crate::stages::{PIPELINE, SHIP};
+use crate::stages::PIPELINE;
+use crate::stages::axes::SHIP;
 
 /// Gong & Pan's ships encountering wave groups: the whole paper from seeds, through a cache.
 #[derive(Debug, Parser)]

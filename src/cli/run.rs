@@ -18,7 +18,7 @@ use crate::engine::publish;
 use crate::engine::run::Run;
 use crate::engine::schedule;
 use crate::engine::store::Store;
-use crate::stages::SHIP;
+use crate::stages::axes::SHIP;
 
 /// Arguments of `encounter run`.
 #[derive(Debug, Args)]

@@ -11,7 +11,7 @@ use crate::engine::error::Result;
 use crate::engine::plan::{NodePlan, plan};
 use crate::engine::publish;
 use crate::engine::run::Run;
-use crate::stages::SHIP;
+use crate::stages::axes::SHIP;
 
 /// Arguments of `encounter status`.
 #[derive(Debug, Args)]

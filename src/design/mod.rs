@@ -18,5 +18,6 @@ pub mod acquisition;
 pub mod estimate;
 pub mod input_density;
 pub mod pool;
+pub mod response_pool;
 pub mod sequential;
 pub mod settings;

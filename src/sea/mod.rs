@@ -3,5 +3,6 @@
 pub mod detection;
 pub mod envelope;
 pub mod spectrum;
+pub mod statistics;
 pub mod wave_field;
 pub mod wave_group;

@@ -60,6 +60,14 @@ pub struct Sea {
 }
 
 impl Sea {
+    /// The sea in words, for a figure: "Gaussian, bandwidth 0.02 rad/s".
+    pub fn description(&self) -> String {
+        match self.spectrum {
+            Form::Gaussian => format!("Gaussian, bandwidth {} rad/s", self.bandwidth.unwrap_or_default()),
+            Form::Jonswap => format!("JONSWAP, γ = {}", self.gamma.unwrap_or_default()),
+        }
+    }
+
     /// Checks which keys belong to which form, and ranges wide enough for any sea.
     ///
     /// # Errors

@@ -40,3 +40,17 @@ impl Groups {
         self.fields.iter().map(of_field)
     }
 }
+
+/// The groups drawn.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Sample {
+    /// Per field of the record: the places of its drawn groups, ascending.
+    pub fields: Vec<Vec<u32>>,
+}
+
+impl Sample {
+    /// The places of the drawn groups in some consecutive fields of the record: (fields)(drawn).
+    pub fn of(&self, first: u64, fields: u64) -> &[Vec<u32>] {
+        &self.fields[first as usize..(first + fields) as usize]
+    }
+}

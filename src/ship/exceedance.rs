@@ -165,3 +165,44 @@ impl Exceedances {
 pub fn random_sampling_sd(p: f64, n: u64) -> Option<f64> {
     (n > 0).then(|| (p * (1.0 - p) / n as f64).sqrt())
 }
+
+/// Exceedance of every method, and what the truth counted beside it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Probabilities {
+    /// One curve per method and epsilon_1 over the thresholds of Figure 3.
+    pub curves: Vec<Curve>,
+    /// The same over the threshold of Table 1 alone; no points if the sea has no row there.
+    pub table: Vec<Curve>,
+    /// What the continuous record counted, per epsilon_1.
+    pub counts: Vec<Counts>,
+}
+
+/// What the continuous record counted at one epsilon_1.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Counts {
+    /// epsilon_1, 1/(m s^2).
+    pub epsilon_1: f64,
+    /// Fields of the record.
+    pub fields: u64,
+    /// Fields that left the statistics.
+    pub dropped: u64,
+    /// Groups in the statistics.
+    pub groups: u64,
+    /// Capsizes in [0, T_f) of all fields.
+    pub capsizes: u64,
+    /// Fields with a capsize.
+    pub fields_with_capsize: u64,
+    /// Groups whose segment holds a capsize.
+    pub capsized_groups: u64,
+    /// Share of time with |theta| above the temporal level.
+    pub time_above: f64,
+}
+
+impl Probabilities {
+    /// (epsilon_1, probability, standard error) of a method at Table 1's threshold, for one value of the ship's list.
+    pub fn at_table(&self, method: &str, epsilon_1_index: usize) -> Option<(f64, f64, f64)> {
+        let epsilon_1 = self.counts.get(epsilon_1_index)?.epsilon_1;
+        let curve = self.table.iter().find(|curve| curve.method == method && curve.epsilon_1 == epsilon_1)?;
+        Some((epsilon_1, *curve.probability.first()?, *curve.standard_error.first()?))
+    }
+}

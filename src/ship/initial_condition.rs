@@ -89,3 +89,12 @@ pub fn predecessor(groups: &[Encounter], i: usize, ahead: usize, field_period: f
         ..group
     }
 }
+
+/// The states that PIC draws from.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Ensemble {
+    /// The ship's epsilon_1, 1/(m s^2).
+    pub epsilon_1: Vec<f64>,
+    /// (epsilon_1)(times), in the order of the record; equal times along epsilon_1.
+    pub states: Vec<Vec<RollState>>,
+}

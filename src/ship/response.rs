@@ -115,3 +115,25 @@ impl Moments {
         })
     }
 }
+
+/// Responses of the fields of a piece.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Truths {
+    /// The ship's epsilon_1, 1/(m s^2).
+    pub epsilon_1: Vec<f64>,
+    /// (epsilon_1)(fields).
+    pub fields: Vec<Vec<Response>>,
+}
+
+/// One point of Figure 4.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Point {
+    /// epsilon_1, 1/(m s^2).
+    pub epsilon_1: f64,
+    /// (L/T_p, A/H_s).
+    pub group: [f64; 2],
+    /// truth, cic, pic or nic.
+    pub method: String,
+    /// Mean, spread and number of responses; none if the bin is empty.
+    pub moments: Option<Moments>,
+}

@@ -1,0 +1,97 @@
+//! Figure 5: the estimate against the number of samples, VHGP-Seq beside random sampling.
+
+use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
+
+use crate::design::settings::Case;
+use crate::engine::arrow::{All, One, PiecesOf};
+use crate::engine::error::{Error, Result};
+use crate::engine::stage::{Here, Published, Select, Stage};
+use crate::numerics::sums::{mean, standard_deviation};
+use crate::plot::convergence::{Convergence, Estimates, csv, draw};
+use crate::ship::exceedance::Probabilities;
+use crate::stages::axes::SEA;
+use crate::stages::exceedance::Exceedance;
+use crate::stages::figures::scenes::refused;
+use crate::stages::random_sampling::RandomSampling;
+use crate::stages::vhgp_seq::VhgpSeq;
+
+/// Figure 5.
+pub struct Fig5VhgpSeq;
+
+/// Parameters of the figure.
+#[derive(Serialize, Deserialize)]
+pub struct Params {
+    case: Names,
+    vhgp_seq: Rows,
+}
+
+/// The names of ship and sea.
+#[derive(Serialize, Deserialize)]
+pub struct Names {
+    ship: String,
+    sea: String,
+}
+
+/// The part of `[vhgp_seq]` that the figure shows.
+#[derive(Serialize, Deserialize)]
+pub struct Rows {
+    case: Vec<Case>,
+    epsilon_1_index: u32,
+}
+
+impl Stage for Fig5VhgpSeq {
+    const NAME: &'static str = "fig5_vhgp_seq";
+    const PAPER: &'static str = "Fig. 5";
+    const SELECTS: &'static [Select] = &[Select::At(SEA, "fig5_vhgp_seq.sea")];
+    const SCHEMA: &'static str = Published::SCHEMA;
+    type Params = Params;
+    type Inputs = (All<VhgpSeq>, All<RandomSampling>, One<Exceedance>);
+    type Output = Published;
+
+    fn run(
+        p: &Params,
+        (sequential, random, truth): (PiecesOf<'_, VhgpSeq>, PiecesOf<'_, RandomSampling>, Arc<Probabilities>),
+        _: Here<'_>,
+    ) -> Result<Published> {
+        let row = p.vhgp_seq.case.iter().find(|row| row.sea == p.case.sea);
+        let theta_t = row.map(|row| row.theta_t).ok_or_else(|| Error::stage("no row of vhgp_seq.case names this sea"))?;
+        let realisations = sequential.len() as u64;
+        let lines = |(n, estimate): &(Vec<u32>, Vec<f64>)| (n.clone(), estimate.clone());
+        let sequential: Vec<(Vec<u32>, Vec<f64>)> =
+            sequential.iter().map(|piece| piece.map(|r| lines(&(r.n_samples.clone(), r.estimate.clone())))).collect::<Result<_>>()?;
+        let random: Vec<(Vec<u32>, Vec<f64>)> =
+            random.iter().map(|piece| piece.map(|r| (r.n_samples.clone(), r.estimate.clone()))).collect::<Result<_>>()?;
+        let truth = truth.at_table("truth", p.vhgp_seq.epsilon_1_index as usize);
+        let (epsilon_1, p_true, _) = truth.ok_or_else(|| Error::stage("the record holds no groups"))?;
+        let figure = Convergence {
+            ship: p.case.ship.clone(),
+            spectrum: p.case.sea.clone(),
+            theta_t,
+            epsilon_1,
+            realisations,
+            p_true,
+            sequential: estimates(&sequential),
+            random: estimates(&random),
+        };
+        let svg = draw(&figure).map_err(refused)?;
+        Ok(Published::new(Self::NAME, [("svg", svg), ("csv", csv(&figure))]))
+    }
+}
+
+/// Mean and population standard deviation over the realisations at every number of samples that all of them reached.
+fn estimates(realisations: &[(Vec<u32>, Vec<f64>)]) -> Estimates {
+    let mut found = Estimates { n_samples: Vec::new(), mean: Vec::new(), std: Vec::new() };
+    let sizes = realisations.first().map_or(&[] as &[u32], |(n, _)| n.as_slice());
+    for n in sizes {
+        let at = |(sizes, estimate): &(Vec<u32>, Vec<f64>)| sizes.iter().position(|size| size == n).map(|i| estimate[i]);
+        let values: Option<Vec<f64>> = realisations.iter().map(at).collect();
+        if let Some(values) = values {
+            found.n_samples.push(f64::from(*n));
+            found.mean.push(mean(&values));
+            found.std.push(standard_deviation(&values));
+        }
+    }
+    found
+}

@@ -1,0 +1,81 @@
+//! §4 The pool of the sequential design: every sampled group with the response that NIC found, and the density of groups.
+//!
+//! A query of the design is answered from here: NIC has run on each of these groups once, and running it again gives the
+//! same bits.
+
+use serde::{Deserialize, Serialize};
+
+use crate::design::input_density::Grid;
+use crate::design::response_pool::ResponsePool as Pool;
+use crate::engine::arrow::{All, PiecesOf};
+use crate::engine::error::{Error, Result};
+use crate::engine::stage::{Here, Select, Stage};
+use crate::numerics::random;
+use crate::sea::spectrum::Sea;
+use crate::stages::axes::SEA;
+use crate::stages::nic::Nic;
+
+/// Groups and responses of one case of Table 1.
+pub struct ResponsePool;
+
+/// Parameters of the pool.
+#[derive(Serialize, Deserialize)]
+pub struct Params {
+    sea: Sea,
+    vhgp_seq: Input,
+}
+
+/// The part of `[vhgp_seq]` about the design's input.
+#[derive(Serialize, Deserialize)]
+pub struct Input {
+    /// Which value of the ship's epsilon_1 list.
+    epsilon_1_index: u32,
+    /// Box of (L/T_p, A/H_s).
+    domain: [[f64; 2]; 2],
+    /// Candidates along each.
+    grid: [u32; 2],
+    /// Bandwidth of the kernel density p.
+    bandwidth: [f64; 2],
+    /// Groups in the fixed Monte-Carlo set.
+    monte_carlo: u32,
+}
+
+impl Stage for ResponsePool {
+    const NAME: &'static str = "response_pool";
+    const PAPER: &'static str = "§4";
+    const SELECTS: &'static [Select] = &[Select::Rows(SEA, "vhgp_seq.case")];
+    const SCHEMA: &'static str = "response-pool/1";
+    type Params = Params;
+    type Inputs = (All<Nic>,);
+    type Output = Pool;
+
+    fn run(p: &Params, (nic,): (PiecesOf<'_, Nic>,), here: Here<'_>) -> Result<Pool> {
+        let (mut epsilon_1, mut points, mut r) = (0.0, Vec::new(), Vec::new());
+        for piece in nic.iter() {
+            let piece = piece?;
+            let index = p.vhgp_seq.epsilon_1_index as usize;
+            let known = piece.epsilon_1.get(index).zip(piece.r.get(index));
+            let (value, own) = known.ok_or_else(|| {
+                let count = piece.epsilon_1.len();
+                Error::stage(format!("vhgp_seq.epsilon_1_index: expected less than {count}, the length of the ship's list, found {index}"))
+            })?;
+            epsilon_1 = *value;
+            let sizes = piece.l.iter().flatten().zip(piece.a.iter().flatten());
+            points.extend(sizes.map(|(l, a)| [l / p.sea.peak_period, a / p.sea.significant_wave_height]));
+            r.extend(own.iter().flatten());
+        }
+        if points.is_empty() {
+            return Err(Error::stage("no wave group was detected, so nothing can be sampled; expected a longer record"));
+        }
+        let grid = Grid {
+            lower: p.vhgp_seq.domain.map(|range| range[0]),
+            upper: p.vhgp_seq.domain.map(|range| range[1]),
+            size: p.vhgp_seq.grid,
+        };
+        let density = grid.density(&points, p.vhgp_seq.bandwidth);
+        let mut stream = here.stream(0);
+        let mut draw = |_| points[random::below(&mut stream, points.len())];
+        let monte_carlo = (0..p.vhgp_seq.monte_carlo).map(&mut draw).collect();
+        Ok(Pool { epsilon_1, points, r, density, monte_carlo })
+    }
+}

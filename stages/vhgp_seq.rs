@@ -1,0 +1,55 @@
+//! §4 VHGP-Seq: sequential sampling of groups where a heteroscedastic Gaussian process doubts the exceedance most.
+//!
+//! One realisation is one piece with a stream of its own: 100 -> 200 realisations runs 100, and any of them alone again
+//! gives the same bits.
+
+use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
+
+use crate::design::pool::{Pool, Used};
+use crate::design::response_pool::ResponsePool as Responses;
+use crate::design::sequential::{Input, Realisation, sequential};
+use crate::design::settings::VhgpSeq as Settings;
+use crate::engine::arrow::One;
+use crate::engine::error::{Error, Result};
+use crate::engine::stage::{Here, Pieces, Select, Stage};
+use crate::stages::axes::SEA;
+use crate::stages::response_pool::ResponsePool;
+
+/// (Q1), (Q2) on the groups of one case of Table 1.
+pub struct VhgpSeq;
+
+/// Parameters of the sequential design.
+#[derive(Serialize, Deserialize)]
+pub struct Params {
+    vhgp_seq: Settings,
+}
+
+impl Stage for VhgpSeq {
+    const NAME: &'static str = "vhgp_seq";
+    const PAPER: &'static str = "§4";
+    const PIECES: Pieces = Pieces::Counted("vhgp_seq.realisations");
+    const SELECTS: &'static [Select] = &[Select::Rows(SEA, "vhgp_seq.case")];
+    const SCHEMA: &'static str = "realisation/1";
+    type Params = Params;
+    type Inputs = (One<ResponsePool>,);
+    type Output = Realisation;
+
+    fn check(p: &Params) -> std::result::Result<(), String> {
+        p.vhgp_seq.check().map_err(|why| format!("vhgp_seq.{why}"))
+    }
+
+    fn run(p: &Params, (responses,): (Arc<Responses>,), here: Here<'_>) -> Result<Realisation> {
+        let settings = &p.vhgp_seq;
+        let row = settings.case.first().ok_or_else(|| Error::stage("no row of vhgp_seq.case names this sea"))?;
+        let input = Input::new(settings.candidates(), responses.density.clone(), responses.monte_carlo.clone());
+        let pool = Pool::new(&responses.points);
+        let mut used = Used::default();
+        let respond = |query: [f64; 2], stream: &mut _| {
+            let index = pool.draw(&query, settings.neighbours, &mut used, stream)?;
+            Some((pool.point(index), responses.r[index as usize]))
+        };
+        Ok(sequential(settings, &input, row.theta_t, respond, &mut here.stream(here.first)))
+    }
+}
