@@ -2,9 +2,9 @@
 //!
 //! Starts, in this order: the previous optimum (new samples enter with λ = ½), a fit of the standard GP, and for a first
 //! fit the kernels' own starting values and `restarts` points uniform in the bounds; the largest F wins, the earliest on
-//! a tie. Once a previous optimum is there, it wins nine times in ten and by more than the others' gain, so the standard
-//! GP joins only every `fresh_start_every`-th fit.
-//! A start whose matrices cannot be factored counts as failed and is left out. Tested in `tests/physics/gp.rs`.
+//! a tie. A previous optimum beat the standard GP's start in 25 of 30 fits of one design (n = 33 to 120) and lost by at
+//! most 0.03 in F, so the latter joins only every `fresh_start_every`-th fit. A start whose
+//! matrices cannot be factored counts as failed and is left out. Tested in `tests/physics/gp.rs`.
 
 use super::elbo::Elbo;
 use super::standard::Likelihood;

@@ -135,6 +135,8 @@ fn the_published_1d_table_is_reproduced_over_100_trials() {
     assert!(standard_deviation(&p) < 0.0056);
 }
 
+type Change = fn(&mut VhgpSeq);
+
 const CONTRACT: &str = r#"
 initial = 30
 batch = 3
@@ -467,7 +469,7 @@ fn the_contract_s_table_decodes_and_wrong_ones_are_refused() {
         let error = toml::from_str::<VhgpSeq>(&format!("{wrong}\n{CONTRACT}")).expect_err("wrong");
         assert!(error.to_string().contains(says), "{error}");
     }
-    let changes: [(fn(&mut VhgpSeq), &str); 5] = [
+    let changes: [(Change, &str); 5] = [
         (|s| s.total = 20, "total: expected at least initial = 30, found 20"),
         (
             |s| s.cap = 0.8,
