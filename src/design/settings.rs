@@ -159,6 +159,7 @@ fn fit() -> Fitting {
         log_lambda: [-4.0, 3.0],
         jitter: 1e-6,
         restarts: 1,
+        fresh_start_every: 5,
         iterations: 100,
         memory: 10,
         gradient_tolerance: 1e-2,

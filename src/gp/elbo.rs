@@ -3,8 +3,9 @@
 //! ```text
 //! (V1) Σ = (K_g⁻¹ + Λ)⁻¹,  μ = K_g(λ - ½) + μ₀,  R = diag(exp(μ_i - Σ_ii/2))
 //! (V2) F = log N(y | 0, K_f + R) - tr(Σ)/4 - KL(N(μ, Σ) ‖ N(μ₀1, K_g))
-//! s = √λ;  C = chol(I + (s sᵀ) ∘ K_g);  V = C⁻¹;  U = V diag(s);  H = U K_g;  Σ = K_g - HᵀH
+//! s = √λ;  C = chol(I + (s sᵀ) ∘ K_g);  V = C⁻¹;  Σ = K_g diag(s) VᵀV diag(s)⁻¹
 //! ```
+//! Σ equals K_g - HᵀH, H = V diag(s) K_g, by the push-through identity, with one product less and no cancellation.
 //! Parameters stand in one vector [log λ (n), log var_f, log len_f (D), log var_g, log len_g (D), μ₀].
 //! Tested against the published vector in `tests/physics/gp.rs`.
 
@@ -63,9 +64,7 @@ pub struct Elbo {
     pub k_g: Square,
     /// C (n, n), the factor of I + (s sᵀ) ∘ K_g.
     pub c: Square,
-    /// V = C⁻¹ (n, n).
-    pub v: Square,
-    /// VᵀV (n, n).
+    /// VᵀV = (I + (s sᵀ) ∘ K_g)⁻¹ (n, n).
     pub vtv: Square,
     /// Σ (n, n).
     pub sigma_g: Square,
@@ -110,7 +109,6 @@ impl Elbo {
             k_f: square.clone(),
             k_g: square.clone(),
             c: square.clone(),
-            v: square.clone(),
             vtv: square.clone(),
             sigma_g: square.clone(),
             l: square.clone(),
@@ -160,8 +158,7 @@ impl Elbo {
             self.s[i] = self.parameters.lambda[i].sqrt();
             self.beta_g[i] = self.parameters.lambda[i] - 0.5;
         }
-        // C = chol(I + (s sᵀ) ∘ K_g); H needs K_g diag(s) too.
-        let [scaled, h] = &mut self.scratch;
+        let [scaled, t] = &mut self.scratch;
         scaled.values[n * stride..].fill(0.0);
         for j in 0..n {
             let at = j * stride;
@@ -176,16 +173,16 @@ impl Elbo {
         if !factor(&mut self.c) {
             return None;
         }
-        // Σ is room for T = C⁻ᵀ until V and VᵀV are made of it. Hᵀ = K_g diag(s) Vᵀ, V lower triangular.
-        inverse_transposed(&self.c, &mut self.sigma_g);
-        self.v.transpose_of(&self.sigma_g);
-        symmetric_inverse(&self.sigma_g, &mut self.vtv);
-        h.product(scaled, &self.v, false, |_, j0| (0, j0 + 4));
-        self.sigma_g.product(h, h, true, |_, _| (0, stride));
-        self.sigma_g.mirror();
-        for (sigma, k) in self.sigma_g.values.iter_mut().zip(&self.k_g.values) {
-            *sigma = *k - *sigma;
+        inverse_transposed(&self.c, t);
+        symmetric_inverse(t, &mut self.vtv);
+        self.sigma_g.product(scaled, &self.vtv, true, |_, _| (0, stride));
+        for j in 0..n {
+            let s = self.s[j];
+            for v in self.sigma_g.column_mut(j) {
+                *v /= s;
+            }
         }
+        self.sigma_g.mirror();
         self.mean_and_divergence();
         Some(())
     }

@@ -1,6 +1,7 @@
 //! Claims about dense algebra in tiles: nalgebra is the oracle, the bits are the same at every level.
 
 use encounter::numerics::cholesky::{Cholesky, Factor, Inverse, forward};
+use encounter::numerics::elementary::{cos, sin};
 use encounter::numerics::lanes::{Level, dispatch_at};
 use encounter::numerics::random::uniform;
 use encounter::numerics::square::Square;
@@ -53,7 +54,7 @@ fn solves_inverses_and_the_log_determinant_are_nalgebra_s() {
             1e-13,
         );
         assert!((found.log_det() - oracle.ln_determinant()).abs() < 1e-12 * n as f64);
-        let b = DMatrix::from_fn(n, 1, |i, _| (i as f64).sin());
+        let b = DMatrix::from_fn(n, 1, |i, _| sin(i as f64));
         let mut x: Vec<f64> = b.iter().copied().collect();
         found.solve(&mut x);
         let expected = oracle.solve(&b);
@@ -70,7 +71,7 @@ fn eight_right_hand_sides_are_solved_as_one_is() {
         let l = Cholesky::new(&square(&a)).expect("positive definite").l;
         let mut rows = vec![0.0; 8 * l.stride];
         for k in 0..8 * n {
-            rows[k] = (k as f64).cos();
+            rows[k] = cos(k as f64);
         }
         let before = DMatrix::from_column_slice(8, n, &rows[..8 * n]);
         forward(&l, &mut rows);
