@@ -222,7 +222,8 @@ pub fn round_values(low: f64, high: f64, count: u32) -> (Vec<f64>, usize) {
         if value > high + slack {
             break;
         }
-        values.push(value);
+        // Round values beside an end belong to it: 6 * 0.2 is a little more than 1.2.
+        values.push(value.clamp(low, high));
     }
     (values, decimals)
 }

@@ -88,7 +88,7 @@ impl Estimates {
 pub fn draw(figure: &Convergence) -> Result<String, Error> {
     figure.sequential.check()?;
     figure.random.check()?;
-    let mut sheet = Sheet::new(680.0, 420.0);
+    let mut sheet = Sheet::new(700.0, 420.0);
     let both = [(&figure.random, style::ORANGE), (&figure.sequential, style::BLUE)];
     let panel = Panel {
         left: 70.0,
@@ -100,8 +100,8 @@ pub fn draw(figure: &Convergence) -> Result<String, Error> {
     };
     panel.frame(&mut sheet)?;
     let title = format!(
-        "{}, *θ*_{{t}} = {} rad, *ε*_{{1}} = {}, {} realisations",
-        figure.spectrum, figure.theta_t, figure.epsilon_1, figure.realisations
+        "{}, ship {}: *θ*_{{t}} = {} rad, *ε*_{{1}} = {}, {} realisations",
+        figure.spectrum, figure.ship, figure.theta_t, figure.epsilon_1, figure.realisations
     );
     panel.title(&mut sheet, "", &title);
     for (estimates, colour) in both {

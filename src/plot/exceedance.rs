@@ -79,9 +79,9 @@ const DENSITY_WIDTH: f64 = 186.0;
 /// Left border of the first panel of probabilities, px.
 const LEFT: f64 = 312.0;
 /// Distance of columns, px.
-const COLUMN: f64 = 216.0;
+const COLUMN: f64 = 228.0;
 /// Upper border of the first row's panels, px.
-const TOP: f64 = 66.0;
+const TOP: f64 = 78.0;
 
 /// Draws Figure 3.
 pub fn draw(figure: &Exceedance) -> Result<String, Error> {
@@ -149,7 +149,19 @@ fn heads(sheet: &mut Sheet, figure: &Exceedance) {
         anchor: Anchor::Middle,
         ..PLAIN
     };
-    let y = 24.0;
+    let ship = Type {
+        size: style::LABEL_SIZE,
+        colour: style::GREY,
+        ..PLAIN
+    };
+    let room = sheet.width() - DENSITY_LEFT - 16.0;
+    sheet.text(
+        DENSITY_LEFT,
+        18.0,
+        ship,
+        &shorten(&format!("ship: {}", figure.ship), ship.size, room),
+    );
+    let y = 42.0;
     sheet.text(DENSITY_LEFT + DENSITY_WIDTH / 2.0, y, look, "joint density");
     let Some(row) = figure.rows.first() else { return };
     for (j, cell) in row.cells.iter().enumerate() {

@@ -125,7 +125,7 @@ fn sources(sheet: &mut Sheet) -> Result<(), Error> {
     let texts = [
         ["irregular sea", "elevation *η*(*t*)"],
         ["envelope *ρ*(*t*), fitted by", "Gaussian groups *ρ*_{i}(*t*)  (2)"],
-        ["joint density", "*p*_{A,L}(*a*, *l*) of the groups"],
+        ["joint density *p*_{A,L}(*a*, *l*)", "of the groups, for (3) and (4)"],
     ];
     for (left, lines) in LEFTS.iter().zip(texts) {
         card(sheet, (left + 18.0, top), (WIDTH - 36.0, height), style::FRAME, &lines)?;
@@ -260,12 +260,8 @@ fn picture(sheet: &mut Sheet, method: Method, left: f64) -> Result<(), Error> {
                 (0.37, 0.03, 0.35),
             ];
             let ensemble = [0.02, 0.07, 0.12, 0.18, 0.23, 0.28, 0.33, 0.38];
-            let heights = [3.0, -6.0, 8.0, -12.0, 10.0, -5.0, 6.0, -2.0];
-            let states = ensemble
-                .iter()
-                .zip(heights)
-                .map(|(x, y)| (left + width * x, middle + y));
-            let starts = states.chain([(left + width * 0.54, middle)]).collect();
+            let states = ensemble.map(|x| (left + width * x, middle - 34.0 * elevation(x, &record)));
+            let starts = states.into_iter().chain([(left + width * 0.54, middle)]).collect();
             (
                 vec![
                     (wave(0.0, 0.4, &record), faint),

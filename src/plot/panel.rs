@@ -19,6 +19,9 @@ use super::{Error, style};
 /// Curves are thinned to this deviation, px.
 const TOLERANCE: f64 = 0.06;
 
+/// Least room for the tick labels of a vertical axis, px.
+const LABEL_ROOM: f64 = 26.0;
+
 /// A frame on the sheet with its axes; lengths in px.
 #[derive(Clone, Debug)]
 pub struct Panel {
@@ -138,7 +141,8 @@ impl Panel {
             };
             sheet.text(self.x_px(tick.at), bottom + 4.0 + 0.95 * look.size, look, &tick.label);
         }
-        let mut widest = 0.0;
+        // Two panels above each other align their labels unless one has very long ticks.
+        let mut widest = LABEL_ROOM;
         for tick in self
             .y
             .ticks

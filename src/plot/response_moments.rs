@@ -12,7 +12,7 @@ use super::csv;
 use super::legend::{Entry, Sample, method, strip};
 use super::panel::{Panel, Stroke};
 use super::style::{self, Method};
-use super::svg::Sheet;
+use super::svg::{PLAIN, Sheet, Type, shorten};
 use super::{Error, same_length};
 
 /// One method's moments over ε₁.
@@ -61,7 +61,7 @@ const LEFT: f64 = 62.0;
 /// Distance of columns, px.
 const COLUMN: f64 = 278.0;
 /// Upper borders of the two rows, px.
-const TOPS: [f64; 2] = [34.0, 214.0];
+const TOPS: [f64; 2] = [56.0, 236.0];
 
 /// Draws Figure 4.
 pub fn draw(figure: &ResponseMoments) -> Result<String, Error> {
@@ -70,7 +70,14 @@ pub fn draw(figure: &ResponseMoments) -> Result<String, Error> {
         same_length("standard deviation of R", moments.epsilon_1.len(), moments.std.len())?;
     }
     let width = LEFT + COLUMN * figure.shapes.len().max(1) as f64;
-    let mut sheet = Sheet::new(width, 442.0);
+    let mut sheet = Sheet::new(width, 464.0);
+    let look = Type {
+        size: style::LABEL_SIZE,
+        colour: style::GREY,
+        ..PLAIN
+    };
+    let whose = format!("ship: {}, sea: {}", figure.ship, figure.spectrum);
+    sheet.text(LEFT, 18.0, look, &shorten(&whose, look.size, width - LEFT - 16.0));
     let x = epsilon_axis(figure);
     let all = || figure.shapes.iter().flat_map(|shape| &shape.moments);
     let means = Axis::from_zero(all().flat_map(|m| m.mean.iter().copied()), 5, "mean of *R* (rad)");
@@ -105,7 +112,7 @@ pub fn draw(figure: &ResponseMoments) -> Result<String, Error> {
         draw_moments(&mut sheet, &upper, shape, |moments| &moments.mean)?;
         draw_moments(&mut sheet, &lower, shape, |moments| &moments.std)?;
     }
-    strip(&mut sheet, width / 2.0, 412.0, width - 20.0, &legend(figure))?;
+    strip(&mut sheet, width / 2.0, 434.0, width - 20.0, &legend(figure))?;
     let what = format!(
         "Ship: {}. Sea: {}. Mean (upper row) and standard deviation (lower row) of the largest roll in groups of a given \
          length and amplitude against epsilon_1, one column per shape. Black dots: truth. Green dash-dotted: CIC. Orange: \

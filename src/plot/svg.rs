@@ -130,7 +130,7 @@ impl Sheet {
         let (title, description, fonts) = (escape(title), escape(description), style::FONTS);
         format!(
             "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{}\" height=\"{}\" viewBox=\"0 0 {w} {h}\" \
-             role=\"img\" font-family=\"{fonts}\">\n<title>{title}</title>\n<desc>{description}</desc>\n{}</svg>\n",
+             role=\"img\" xml:space=\"preserve\" font-family=\"{fonts}\">\n<title>{title}</title>\n<desc>{description}</desc>\n{}</svg>\n",
             self.width, self.height, self.body
         )
     }

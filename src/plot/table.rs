@@ -110,7 +110,7 @@ fn cells(row: &Row) -> [String; 8] {
     let paper = |cell: fn(&Printed) -> String| row.paper.as_ref().map_or(NOTHING.to_owned(), cell);
     [
         row.spectrum.clone(),
-        row.theta_t.to_string(),
+        format!("{:?}", row.theta_t),
         with_error(row.p_true, row.p_true_se),
         paper(|printed| probability(Some(printed.p_true))),
         ours(row.sequential),
