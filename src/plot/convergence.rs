@@ -13,7 +13,8 @@ use plotters::style::RGBColor;
 use super::axes::Axis;
 use super::csv;
 use super::legend::{Entry, Sample, column};
-use super::panel::{Panel, Stroke};
+use super::panel::Panel;
+use super::shapes::Stroke;
 use super::svg::Sheet;
 use super::{Error, same_length, style};
 
@@ -194,7 +195,7 @@ fn legend() -> Vec<Entry> {
     ]
 }
 
-/// The data of Figure 5, columns as in the contract of published files; the truth is the row without a number of samples.
+/// The data of Figure 5, columns as in the contract of published files.
 pub fn csv(figure: &Convergence) -> String {
     let mut rows = Vec::new();
     for (method, estimates) in [("sequential", &figure.sequential), ("random", &figure.random)] {
@@ -203,11 +204,5 @@ pub fn csv(figure: &Convergence) -> String {
             rows.push([method.into(), (*n).into(), mean.into(), std.into()]);
         }
     }
-    rows.push([
-        "truth".into(),
-        csv::Cell::Unknown,
-        figure.p_true.into(),
-        csv::Cell::Unknown,
-    ]);
     csv::write(["method", "n_samples", "mean", "std"], rows)
 }

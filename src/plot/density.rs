@@ -12,7 +12,8 @@ use plotters::style::RGBColor;
 use super::axes::fixed;
 use super::clip::Point;
 use super::contour::{Loop, loops};
-use super::panel::{Panel, Stroke, paths, polygons};
+use super::panel::Panel;
+use super::shapes::{Stroke, paths, polygons};
 use super::svg::{Anchor, PLAIN, Sheet, Type};
 use super::{Error, axes, same_length, style};
 

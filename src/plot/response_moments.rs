@@ -10,7 +10,8 @@
 use super::axes::Axis;
 use super::csv;
 use super::legend::{Entry, Sample, method, strip};
-use super::panel::{Panel, Stroke};
+use super::panel::Panel;
+use super::shapes::Stroke;
 use super::style::{self, Method};
 use super::svg::{PLAIN, Sheet, Type, shorten};
 use super::{Error, same_length};
@@ -145,7 +146,7 @@ fn epsilon_axis(figure: &ResponseMoments) -> Axis {
         }
     }
     let (low, high) = if low <= high { (low, high) } else { (0.0, 1.0) };
-    let span = if high > low { high - low } else { high.abs().max(1e-3) };
+    let span = if high > low { high - low } else { high.abs() + 1e-3 };
     Axis::linear(low - 0.07 * span, high + 0.07 * span, 5, "*ε*_{1} (m^{−1} s^{−2})")
 }
 

@@ -57,6 +57,14 @@ fn every_figure_is_well_formed_small_and_within_its_sheet() {
 }
 
 #[test]
+fn a_method_is_found_by_its_name() {
+    for method in Method::ALL {
+        assert_eq!(Method::named(method.name()), Some(method));
+    }
+    assert_eq!(Method::named("guess"), None);
+}
+
+#[test]
 fn equal_input_gives_equal_bytes() {
     assert_eq!(all(), all());
 }
@@ -79,7 +87,7 @@ fn figure_1_draws_every_group_and_names_its_lines() {
     ] {
         assert!(words.iter().any(|word| word == wanted), "{wanted} is missing");
     }
-    let black = drawn.matches("stroke=\"#141414\"").count();
+    let black = svg::stroked(&drawn, "#141414");
     assert_eq!(
         black,
         figure.groups.len() + 1,
@@ -132,7 +140,7 @@ fn figure_3_has_a_row_per_sea_and_one_legend() {
     for head in ["ε1 = 0", "ε1 = 0.002", "ε1 = 0.004", "10⁻¹", "10⁻⁴", "1"] {
         assert!(words.iter().any(|word| word == head), "{head} is missing");
     }
-    let orange = drawn.matches("stroke=\"#E86E04\"").count();
+    let orange = svg::stroked(&drawn, "#E86E04");
     assert_eq!(orange, 4 * 3 + 1, "a PIC line for each panel and one in the legend");
 }
 
@@ -146,7 +154,7 @@ fn a_zero_probability_is_not_drawn() {
     let drawn = exceedance::draw(&figure).expect("zeros are sound");
     svg::check(&drawn);
     assert_eq!(svg::count(&drawn, "circle"), 1, "the legend's dot alone is left");
-    assert_eq!(drawn.matches("stroke=\"#E86E04\"").count(), 1, "and the legend's line");
+    assert_eq!(svg::stroked(&drawn, "#E86E04"), 1, "and the legend's line");
 }
 
 #[test]
@@ -175,7 +183,7 @@ fn figure_4_shows_every_method_at_every_shape() {
         assert!(words.iter().any(|word| word == wanted), "{wanted} is missing");
     }
     assert!(words.iter().any(|word| word == "L/Tp = 1.5, A/Hs = 0.35 (1234 groups)"));
-    let green = drawn.matches("stroke=\"#0A823E\"").count();
+    let green = svg::stroked(&drawn, "#0A823E");
     assert_eq!(
         green,
         2 * 3 * (1 + 3) + 1,
@@ -280,11 +288,7 @@ fn what_is_not_finite_breaks_the_line_and_is_not_written() {
     figure.rows[0].density.p[77] = f64::NAN;
     let drawn = exceedance::draw(&figure).expect("it is left out");
     svg::check(&drawn);
-    assert_eq!(
-        drawn.matches("stroke=\"#E86E04\"").count(),
-        2 + 1,
-        "PIC's line is in two parts"
-    );
+    assert_eq!(svg::stroked(&drawn, "#E86E04"), 2 + 1, "PIC's line is in two parts");
     assert!(!exceedance::csv(&[&figure]).contains("NaN"));
 }
 
