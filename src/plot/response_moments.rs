@@ -9,7 +9,7 @@
 
 use super::axes::Axis;
 use super::csv;
-use super::legend::{Entry, Sample, method, strip};
+use super::legend::{Entry, Sample, method, strip, strip_height};
 use super::panel::Panel;
 use super::shapes::Stroke;
 use super::style::{self, Method};
@@ -71,7 +71,8 @@ pub fn draw(figure: &ResponseMoments) -> Result<String, Error> {
         same_length("standard deviation of R", moments.epsilon_1.len(), moments.std.len())?;
     }
     let width = LEFT + COLUMN * figure.shapes.len().max(1) as f64;
-    let mut sheet = Sheet::new(width, 464.0);
+    let legend = legend(figure);
+    let mut sheet = Sheet::new(width, 446.0 + strip_height(&legend, width - 20.0));
     let look = Type {
         size: style::LABEL_SIZE,
         colour: style::GREY,
@@ -113,7 +114,7 @@ pub fn draw(figure: &ResponseMoments) -> Result<String, Error> {
         draw_moments(&mut sheet, &upper, shape, |moments| &moments.mean)?;
         draw_moments(&mut sheet, &lower, shape, |moments| &moments.std)?;
     }
-    strip(&mut sheet, width / 2.0, 434.0, width - 20.0, &legend(figure))?;
+    strip(&mut sheet, width / 2.0, 434.0, width - 20.0, &legend)?;
     let what = format!(
         "Ship: {}. Sea: {}. Mean (upper row) and standard deviation (lower row) of the largest roll in groups of a given \
          length and amplitude against epsilon_1, one column per shape. Black dots: truth. Green dash-dotted: CIC. Orange: \

@@ -38,6 +38,7 @@ fn all() -> Vec<(&'static str, String)> {
             "fig3_six_seas",
             exceedance::draw(&samples::exceedance(6, 3)).expect(drawn),
         ),
+        ("fig3_hostile", exceedance::draw(&samples::hostile()).expect(drawn)),
         (
             "fig3_one_sea",
             exceedance::draw(&samples::exceedance(1, 1)).expect(drawn),
@@ -233,6 +234,26 @@ fn figure_5_shades_one_side_of_the_mean_only() {
     ] {
         assert!(words.iter().any(|word| word == wanted), "{wanted} is missing");
     }
+}
+
+#[test]
+fn a_narrow_figure_breaks_its_legend_into_lines() {
+    let mut figure = samples::response_moments();
+    figure.shapes.truncate(1);
+    let mut again = figure.shapes[0].moments[3].clone();
+    again.method = Method::NicGroups;
+    figure.shapes[0].moments.push(again);
+    let drawn = response_moments::draw(&figure).expect("one shape is sound");
+    svg::check(&drawn);
+    let height = |name: &str| {
+        let all = svg::elements(&drawn);
+        let found = all
+            .iter()
+            .find(|element| element.text == name)
+            .expect("it is in the legend");
+        found.attribute("y").expect("it has a place").to_owned()
+    };
+    assert_ne!(height("truth"), height("NIC from reconstructed groups"));
 }
 
 #[test]
