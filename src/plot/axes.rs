@@ -50,7 +50,12 @@ pub struct Axis {
 impl Axis {
     /// A linear axis from `low` to `high` with about `count` ticks at round values.
     pub fn linear(low: f64, high: f64, count: u32, label: &str) -> Axis {
-        let (low, high) = if high > low { (low, high) } else { (low, low + 1.0) };
+        let low = if low.is_finite() { low } else { 0.0 };
+        let high = if high.is_finite() && high > low {
+            high
+        } else {
+            low + 1.0
+        };
         let (values, decimals) = round_values(low, high, count);
         let ticks = values
             .into_iter()
@@ -116,8 +121,12 @@ impl Axis {
 
     /// A logarithmic axis between any two positive values, labelled 1, 3, 10, 30 .. in plain digits.
     pub fn counts(low: f64, high: f64, label: &str) -> Axis {
-        let low = if low > 0.0 { low } else { 1.0 };
-        let high = if high > low { high } else { 10.0 * low };
+        let low = if low > 0.0 && low.is_finite() { low } else { 1.0 };
+        let high = if high > low && high.is_finite() {
+            high
+        } else {
+            10.0 * low
+        };
         let mut ticks = Vec::new();
         let mut decade = 1.0;
         while decade <= high && decade < 1e15 {
@@ -222,7 +231,8 @@ pub fn round_values(low: f64, high: f64, count: u32) -> (Vec<f64>, usize) {
         if value > high + slack {
             break;
         }
-        values.push(value);
+        // Round values beside an end belong to it: 6 * 0.2 is a little more than 1.2.
+        values.push(value.clamp(low, high));
     }
     (values, decimals)
 }

@@ -133,7 +133,7 @@ impl Field<'_> {
     fn crossing(&self, edge: usize) -> Point {
         let row = self.nx + 2;
         let (i, j) = ((edge / 2) % row, edge / 2 / row);
-        let (k, l) = if edge % 2 == 0 { (i + 1, j) } else { (i, j + 1) };
+        let (k, l) = if edge.is_multiple_of(2) { (i + 1, j) } else { (i, j + 1) };
         let (from, to) = (self.value(i, j), self.value(k, l));
         let t = (self.level - from) / (to - from);
         let (a, b) = (self.node(i, j), self.node(k, l));

@@ -13,7 +13,8 @@ use plotters::style::RGBColor;
 use super::axes::Axis;
 use super::csv;
 use super::legend::{Entry, Sample, column};
-use super::panel::{Panel, Stroke};
+use super::panel::Panel;
+use super::shapes::Stroke;
 use super::svg::Sheet;
 use super::{Error, same_length, style};
 
@@ -88,7 +89,7 @@ impl Estimates {
 pub fn draw(figure: &Convergence) -> Result<String, Error> {
     figure.sequential.check()?;
     figure.random.check()?;
-    let mut sheet = Sheet::new(680.0, 420.0);
+    let mut sheet = Sheet::new(700.0, 420.0);
     let both = [(&figure.random, style::ORANGE), (&figure.sequential, style::BLUE)];
     let panel = Panel {
         left: 70.0,
@@ -100,8 +101,8 @@ pub fn draw(figure: &Convergence) -> Result<String, Error> {
     };
     panel.frame(&mut sheet)?;
     let title = format!(
-        "{}, *θ*_{{t}} = {} rad, *ε*_{{1}} = {}, {} realisations",
-        figure.spectrum, figure.theta_t, figure.epsilon_1, figure.realisations
+        "{}, ship {}: *θ*_{{t}} = {} rad, *ε*_{{1}} = {}, {} realisations",
+        figure.spectrum, figure.ship, figure.theta_t, figure.epsilon_1, figure.realisations
     );
     panel.title(&mut sheet, "", &title);
     for (estimates, colour) in both {
@@ -194,7 +195,7 @@ fn legend() -> Vec<Entry> {
     ]
 }
 
-/// The data of Figure 5, columns as in the contract of published files; the truth is the row without a number of samples.
+/// The data of Figure 5, columns as in the contract of published files.
 pub fn csv(figure: &Convergence) -> String {
     let mut rows = Vec::new();
     for (method, estimates) in [("sequential", &figure.sequential), ("random", &figure.random)] {
@@ -203,11 +204,5 @@ pub fn csv(figure: &Convergence) -> String {
             rows.push([method.into(), (*n).into(), mean.into(), std.into()]);
         }
     }
-    rows.push([
-        "truth".into(),
-        csv::Cell::Unknown,
-        figure.p_true.into(),
-        csv::Cell::Unknown,
-    ]);
     csv::write(["method", "n_samples", "mean", "std"], rows)
 }

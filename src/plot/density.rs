@@ -12,7 +12,8 @@ use plotters::style::RGBColor;
 use super::axes::fixed;
 use super::clip::Point;
 use super::contour::{Loop, loops};
-use super::panel::{Panel, Stroke, paths, polygons};
+use super::panel::Panel;
+use super::shapes::{Stroke, paths, polygons};
 use super::svg::{Anchor, PLAIN, Sheet, Type};
 use super::{Error, axes, same_length, style};
 
@@ -126,8 +127,8 @@ impl Density {
 /// The colour of band `i` of `n`: blue for the lowest, red for the highest.
 pub fn colour(i: usize, n: usize) -> RGBColor {
     let t = if n > 1 { i as f64 / (n - 1) as f64 } else { 1.0 };
-    // The ends of the map are nearly black: leave a twentieth on either side.
-    let (r, g, b) = colorous::RED_YELLOW_BLUE.eval_continuous(0.95 - 0.9 * t).as_tuple();
+    // The ends of the map are nearly black: leave a sixth of blue, which covers most of the area, and a bit of red.
+    let (r, g, b) = colorous::RED_YELLOW_BLUE.eval_continuous(0.84 - 0.78 * t).as_tuple();
     RGBColor(r, g, b)
 }
 

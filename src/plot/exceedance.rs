@@ -12,7 +12,8 @@ use super::axes::{Axis, fixed};
 use super::csv;
 use super::density::{Density, lying_bar};
 use super::legend::{Entry, method, strip, strip_height};
-use super::panel::{Panel, Stroke};
+use super::panel::Panel;
+use super::shapes::Stroke;
 use super::style::{self, Method};
 use super::svg::{Anchor, PLAIN, Sheet, Type, shorten, text_width};
 use super::wave_groups::density_axes;
@@ -79,9 +80,11 @@ const DENSITY_WIDTH: f64 = 186.0;
 /// Left border of the first panel of probabilities, px.
 const LEFT: f64 = 312.0;
 /// Distance of columns, px.
-const COLUMN: f64 = 216.0;
+const COLUMN: f64 = 228.0;
+/// Room below the legend, and for the colour bar where the legend is one line high, px.
+const FOOT: f64 = 28.0;
 /// Upper border of the first row's panels, px.
-const TOP: f64 = 66.0;
+const TOP: f64 = 78.0;
 
 /// Draws Figure 3.
 pub fn draw(figure: &Exceedance) -> Result<String, Error> {
@@ -90,7 +93,7 @@ pub fn draw(figure: &Exceedance) -> Result<String, Error> {
     let legend = legend(figure);
     let beside = width - DENSITY_LEFT - DENSITY_WIDTH - 30.0;
     let foot = TOP + ROW * figure.rows.len().max(1) as f64;
-    let mut sheet = Sheet::new(width, foot + 12.0 + strip_height(&legend, beside).max(28.0));
+    let mut sheet = Sheet::new(width, foot + 12.0 + strip_height(&legend, beside) + FOOT);
     heads(&mut sheet, figure);
     let axes = (threshold_axis(figure), probability_axis(figure));
     for (i, row) in figure.rows.iter().enumerate() {
@@ -149,7 +152,19 @@ fn heads(sheet: &mut Sheet, figure: &Exceedance) {
         anchor: Anchor::Middle,
         ..PLAIN
     };
-    let y = 24.0;
+    let ship = Type {
+        size: style::LABEL_SIZE,
+        colour: style::GREY,
+        ..PLAIN
+    };
+    let room = sheet.width() - DENSITY_LEFT - 16.0;
+    sheet.text(
+        DENSITY_LEFT,
+        18.0,
+        ship,
+        &shorten(&format!("ship: {}", figure.ship), ship.size, room),
+    );
+    let y = 42.0;
     sheet.text(DENSITY_LEFT + DENSITY_WIDTH / 2.0, y, look, "joint density");
     let Some(row) = figure.rows.first() else { return };
     for (j, cell) in row.cells.iter().enumerate() {

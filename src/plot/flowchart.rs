@@ -10,12 +10,12 @@
 
 use plotters::style::RGBColor;
 
-use crate::numerics::elementary::{cos, exp, sin_cos};
+use crate::numerics::elementary::{cos, exp};
 
 use super::Error;
 use super::clip::Point;
 use super::csv;
-use super::panel::{Stroke, discs, paths, polygons};
+use super::shapes::{Stroke, arrow, discs, paths, polygons, rounded};
 use super::style::{self, Method};
 use super::svg::{Anchor, PLAIN, Sheet, Type};
 
@@ -76,11 +76,11 @@ fn lanes(groups_ahead: u32) -> [Lane; 3] {
     let alone = || {
         two(
             "roll equation (6) through the group",
-            "*η*_{i} = *ρ*_{i} cos *ω*_{p} *t*  (5)",
+            "*η*_{i} = *ρ*_{i} cos *ω*_{p} *t*\u{2002}(5)",
         )
     };
-    let random = || two("random response  *R*(*a*, *l*)", "");
-    let integral = || two("*P*_{est} = ∬ ℙ(*R* > *θ*_{t}) *p*_{A,L} d*a* d*l*  (4)", "");
+    let random = || two("random response *R*(*a*, *l*)", "");
+    let integral = || two("*P*_{est} = ∬ ℙ(*R* > *θ*_{t}) *p*_{A,L} d*a* d*l*\u{2002}(4)", "");
     let start = format!("start at rest {} ahead:", ahead(groups_ahead));
     [
         Lane {
@@ -89,8 +89,8 @@ fn lanes(groups_ahead: u32) -> [Lane; 3] {
             boxes: [
                 two("upright and at rest", "*θ* = 0, d*θ*/d*t* = 0"),
                 alone(),
-                two("deterministic response  *r*(*a*, *l*)", ""),
-                two("*P*_{est} = ∬ *I*(*r* > *θ*_{t}) *p*_{A,L} d*a* d*l*  (3)", ""),
+                two("deterministic response *r*(*a*, *l*)", ""),
+                two("*P*_{est} = ∬ *I*(*r* > *θ*_{t}) *p*_{A,L} d*a* d*l*\u{2002}(3)", ""),
             ],
         },
         Lane {
@@ -124,8 +124,11 @@ fn sources(sheet: &mut Sheet) -> Result<(), Error> {
     let (top, height) = (14.0, 46.0);
     let texts = [
         ["irregular sea", "elevation *η*(*t*)"],
-        ["envelope *ρ*(*t*), fitted by", "Gaussian groups *ρ*_{i}(*t*)  (2)"],
-        ["joint density", "*p*_{A,L}(*a*, *l*) of the groups"],
+        [
+            "envelope *ρ*(*t*), fitted by",
+            "Gaussian groups *ρ*_{i}(*t*)\u{2002}(2)",
+        ],
+        ["joint density *p*_{A,L}(*a*, *l*)", "of the groups, for (3) and (4)"],
     ];
     for (left, lines) in LEFTS.iter().zip(texts) {
         card(sheet, (left + 18.0, top), (WIDTH - 36.0, height), style::FRAME, &lines)?;
@@ -222,7 +225,8 @@ fn comparison(sheet: &mut Sheet) -> Result<(), Error> {
         arrow(sheet, (centre, BOTTOM), (centre, top), method.colour())?;
     }
     let whole = LEFTS[2] + WIDTH - LEFTS[0];
-    let text = "compared with the truth  *P*_{true} = (1/*n*) Σ *I*(*r*_{i} > *θ*_{t})  (1), from one very long record";
+    let text =
+        "compared with the truth *P*_{true} = (1/*n*) Σ *I*(*r*_{i} > *θ*_{t})\u{2002}(1), from one very long record";
     card(sheet, (LEFTS[0], top), (whole, height), style::BLACK, &[text])
 }
 
@@ -260,12 +264,8 @@ fn picture(sheet: &mut Sheet, method: Method, left: f64) -> Result<(), Error> {
                 (0.37, 0.03, 0.35),
             ];
             let ensemble = [0.02, 0.07, 0.12, 0.18, 0.23, 0.28, 0.33, 0.38];
-            let heights = [3.0, -6.0, 8.0, -12.0, 10.0, -5.0, 6.0, -2.0];
-            let states = ensemble
-                .iter()
-                .zip(heights)
-                .map(|(x, y)| (left + width * x, middle + y));
-            let starts = states.chain([(left + width * 0.54, middle)]).collect();
+            let states = ensemble.map(|x| (left + width * x, middle - 34.0 * elevation(x, &record)));
+            let starts = states.into_iter().chain([(left + width * 0.54, middle)]).collect();
             (
                 vec![
                     (wave(0.0, 0.4, &record), faint),
@@ -334,45 +334,6 @@ fn card(sheet: &mut Sheet, corner: Point, size: Point, colour: RGBColor, lines: 
         sheet.text(corner.0 + size.0 / 2.0, first + leading * i as f64, look, line);
     }
     Ok(())
-}
-
-/// A straight arrow along an axis, its tip at `to`.
-fn arrow(sheet: &mut Sheet, from: Point, to: Point, colour: RGBColor) -> Result<(), Error> {
-    let (dx, dy) = (to.0 - from.0, to.1 - from.1);
-    let length = (dx * dx + dy * dy).sqrt();
-    let (ex, ey) = (dx / length, dy / length);
-    let neck = (to.0 - 7.0 * ex, to.1 - 7.0 * ey);
-    paths(
-        sheet,
-        "",
-        &[vec![from, neck]],
-        Stroke {
-            colour,
-            width: 1.5,
-            dash: &[],
-        },
-    )?;
-    let side = |s: f64| (neck.0 - s * 4.0 * ey, neck.1 + s * 4.0 * ex);
-    polygons(sheet, "", &[(vec![to, side(1.0), side(-1.0)], colour)])
-}
-
-/// The outline of a box with round corners.
-fn rounded((left, top): Point, (width, height): Point, radius: f64) -> Vec<Point> {
-    let (right, bottom) = (left + width, top + height);
-    let corners = [
-        (right - radius, bottom - radius),
-        (left + radius, bottom - radius),
-        (left + radius, top + radius),
-        (right - radius, top + radius),
-    ];
-    let mut around = Vec::new();
-    for (quarter, (x, y)) in corners.into_iter().enumerate() {
-        for i in 0..=6 {
-            let (sin, cos) = sin_cos(std::f64::consts::FRAC_PI_2 * (quarter as f64 + f64::from(i) / 6.0));
-            around.push((x + radius * cos, y + radius * sin));
-        }
-    }
-    around
 }
 
 /// A colour thinned with white.

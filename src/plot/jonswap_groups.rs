@@ -5,7 +5,8 @@
 use super::axes::Axis;
 use super::csv::{self, Cell};
 use super::legend::{Entry, Sample, strip};
-use super::panel::{Panel, Stroke};
+use super::panel::Panel;
+use super::shapes::Stroke;
 use super::svg::Sheet;
 use super::wave_groups::{ETA, GROUP, Group, Series, elevation_limit};
 use super::{Error, style};

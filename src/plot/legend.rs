@@ -6,7 +6,7 @@
 use plotters::style::RGBColor;
 
 use super::Error;
-use super::panel::{Stroke, discs, paths, polygons};
+use super::shapes::{Stroke, discs, paths, polygons};
 use super::style::{self, Method};
 use super::svg::{PLAIN, Sheet, Type, text_width};
 

@@ -6,7 +6,8 @@
 //! |---|---|
 //! | `style` | colours, dashes, sizes: the one look |
 //! | `svg` | the sheet that plotters draws on, and the text upon it |
-//! | `axes` | ticks, scales and the clipping of curves |
+//! | `axes`, `clip` | ticks and scales; what of a curve is inside a frame |
+//! | `shapes` | lines, polygons, discs, arrows through plotters |
 //! | `panel` | a frame with two axes into which plotters draws series |
 //! | `legend` | strips of samples and their names |
 //! | `contour`, `density` | filled contours of a joint density |
@@ -22,6 +23,7 @@ pub mod csv;
 pub mod density;
 pub mod legend;
 pub mod panel;
+pub mod shapes;
 pub mod style;
 pub mod svg;
 

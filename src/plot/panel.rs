@@ -9,15 +9,19 @@ use plotters::chart::{ChartBuilder, ChartContext};
 use plotters::coord::cartesian::Cartesian2d;
 use plotters::coord::types::RangedCoordf64;
 use plotters::element::{Circle, PathElement, Polygon};
-use plotters::style::{Color, RGBColor, ShapeStyle};
+use plotters::style::{Color, RGBColor};
 
 use super::axes::Axis;
 use super::clip::{Point, Window, thin};
+use super::shapes::{Stroke, drawn, outline, paths};
 use super::svg::{self, Anchor, PLAIN, Sheet, Type};
 use super::{Error, style};
 
 /// Curves are thinned to this deviation, px.
 const TOLERANCE: f64 = 0.06;
+
+/// Least room for the tick labels of a vertical axis, px.
+const LABEL_ROOM: f64 = 26.0;
 
 /// A frame on the sheet with its axes; lengths in px.
 #[derive(Clone, Debug)]
@@ -34,17 +38,6 @@ pub struct Panel {
     pub x: Axis,
     /// Vertical axis.
     pub y: Axis,
-}
-
-/// How a line is drawn.
-#[derive(Clone, Copy, Debug)]
-pub struct Stroke {
-    /// Colour.
-    pub colour: RGBColor,
-    /// Width, px.
-    pub width: f64,
-    /// Lengths of dash and gap in turn, px; empty for a solid line.
-    pub dash: &'static [f64],
 }
 
 /// plotters' chart of a panel.
@@ -138,7 +131,8 @@ impl Panel {
             };
             sheet.text(self.x_px(tick.at), bottom + 4.0 + 0.95 * look.size, look, &tick.label);
         }
-        let mut widest = 0.0;
+        // Two panels above each other align their labels unless one has very long ticks.
+        let mut widest = LABEL_ROOM;
         for tick in self
             .y
             .ticks
@@ -370,60 +364,7 @@ impl Panel {
     }
 }
 
-/// Draws polylines given in px of the sheet.
-pub fn paths(sheet: &mut Sheet, attributes: &str, lines: &[Vec<Point>], look: Stroke) -> Result<(), Error> {
-    let dashes = if look.dash.is_empty() {
-        String::new()
-    } else {
-        svg::dashes(look.dash)
-    };
-    let attributes = [attributes, &dashes].join(" ");
-    sheet.shapes(attributes.trim(), |area| {
-        for line in lines {
-            let line: Vec<(i32, i32)> = line.iter().map(|&(x, y)| (svg::units(x), svg::units(y))).collect();
-            drawn(area.draw(&PathElement::new(line, outline(look))))?;
-        }
-        Ok(())
-    })
-}
-
-/// Fills polygons given in px of the sheet.
-pub fn polygons(sheet: &mut Sheet, attributes: &str, shapes: &[(Vec<Point>, RGBColor)]) -> Result<(), Error> {
-    sheet.shapes(attributes, |area| {
-        for (around, colour) in shapes {
-            let around: Vec<(i32, i32)> = around.iter().map(|&(x, y)| (svg::units(x), svg::units(y))).collect();
-            drawn(area.draw(&Polygon::new(around, colour.filled())))?;
-        }
-        Ok(())
-    })
-}
-
-/// Fills circles given in px of the sheet.
-pub fn discs(sheet: &mut Sheet, centres: &[Point], radius: f64, colour: RGBColor) -> Result<(), Error> {
-    sheet.shapes("", |area| {
-        for &(x, y) in centres {
-            let centre = (svg::units(x), svg::units(y));
-            drawn(area.draw(&Circle::new(centre, svg::units(radius), colour.filled())))?;
-        }
-        Ok(())
-    })
-}
-
 /// Length of a tick, px.
 fn tick_length(label: &str) -> f64 {
     if label.is_empty() { 2.0 } else { 4.0 }
-}
-
-/// plotters' style of a line.
-fn outline(look: Stroke) -> ShapeStyle {
-    ShapeStyle {
-        color: look.colour.to_rgba(),
-        filled: false,
-        stroke_width: svg::stroke(look.width),
-    }
-}
-
-/// plotters' answer as ours.
-fn drawn<T, E: std::error::Error>(result: Result<T, E>) -> Result<(), Error> {
-    result.map(|_| ()).map_err(|error| Error::Plotters(error.to_string()))
 }

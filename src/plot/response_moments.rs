@@ -9,10 +9,11 @@
 
 use super::axes::Axis;
 use super::csv;
-use super::legend::{Entry, Sample, method, strip};
-use super::panel::{Panel, Stroke};
+use super::legend::{Entry, Sample, method, strip, strip_height};
+use super::panel::Panel;
+use super::shapes::Stroke;
 use super::style::{self, Method};
-use super::svg::Sheet;
+use super::svg::{PLAIN, Sheet, Type, shorten};
 use super::{Error, same_length};
 
 /// One method's moments over ε₁.
@@ -61,7 +62,7 @@ const LEFT: f64 = 62.0;
 /// Distance of columns, px.
 const COLUMN: f64 = 278.0;
 /// Upper borders of the two rows, px.
-const TOPS: [f64; 2] = [34.0, 214.0];
+const TOPS: [f64; 2] = [56.0, 236.0];
 
 /// Draws Figure 4.
 pub fn draw(figure: &ResponseMoments) -> Result<String, Error> {
@@ -70,7 +71,15 @@ pub fn draw(figure: &ResponseMoments) -> Result<String, Error> {
         same_length("standard deviation of R", moments.epsilon_1.len(), moments.std.len())?;
     }
     let width = LEFT + COLUMN * figure.shapes.len().max(1) as f64;
-    let mut sheet = Sheet::new(width, 442.0);
+    let legend = legend(figure);
+    let mut sheet = Sheet::new(width, 446.0 + strip_height(&legend, width - 20.0));
+    let look = Type {
+        size: style::LABEL_SIZE,
+        colour: style::GREY,
+        ..PLAIN
+    };
+    let whose = format!("ship: {}, sea: {}", figure.ship, figure.spectrum);
+    sheet.text(LEFT, 18.0, look, &shorten(&whose, look.size, width - LEFT - 16.0));
     let x = epsilon_axis(figure);
     let all = || figure.shapes.iter().flat_map(|shape| &shape.moments);
     let means = Axis::from_zero(all().flat_map(|m| m.mean.iter().copied()), 5, "mean of *R* (rad)");
@@ -105,7 +114,7 @@ pub fn draw(figure: &ResponseMoments) -> Result<String, Error> {
         draw_moments(&mut sheet, &upper, shape, |moments| &moments.mean)?;
         draw_moments(&mut sheet, &lower, shape, |moments| &moments.std)?;
     }
-    strip(&mut sheet, width / 2.0, 412.0, width - 20.0, &legend(figure))?;
+    strip(&mut sheet, width / 2.0, 434.0, width - 20.0, &legend)?;
     let what = format!(
         "Ship: {}. Sea: {}. Mean (upper row) and standard deviation (lower row) of the largest roll in groups of a given \
          length and amplitude against epsilon_1, one column per shape. Black dots: truth. Green dash-dotted: CIC. Orange: \
@@ -138,7 +147,7 @@ fn epsilon_axis(figure: &ResponseMoments) -> Axis {
         }
     }
     let (low, high) = if low <= high { (low, high) } else { (0.0, 1.0) };
-    let span = if high > low { high - low } else { high.abs().max(1e-3) };
+    let span = if high > low { high - low } else { high.abs() + 1e-3 };
     Axis::linear(low - 0.07 * span, high + 0.07 * span, 5, "*ε*_{1} (m^{−1} s^{−2})")
 }
 

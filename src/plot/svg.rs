@@ -90,9 +90,9 @@ impl Sheet {
         if inside.is_empty() {
             return Ok(());
         }
-        let inside = inside.replace(" opacity=\"1\"", "").replace(" \"/>", "\"/>");
+        let (shared, inside) = share(&inside.replace(" opacity=\"1\"", "").replace(" \"/>", "\"/>"));
         let gap = if attributes.is_empty() { "" } else { " " };
-        let _ = write!(self.body, "<g{gap}{attributes}>\n{inside}</g>\n");
+        let _ = write!(self.body, "<g{gap}{attributes}{shared}>\n{inside}</g>\n");
         Ok(())
     }
 
@@ -130,10 +130,29 @@ impl Sheet {
         let (title, description, fonts) = (escape(title), escape(description), style::FONTS);
         format!(
             "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{}\" height=\"{}\" viewBox=\"0 0 {w} {h}\" \
-             role=\"img\" font-family=\"{fonts}\">\n<title>{title}</title>\n<desc>{description}</desc>\n{}</svg>\n",
+             role=\"img\" xml:space=\"preserve\" font-family=\"{fonts}\">\n<title>{title}</title>\n<desc>{description}</desc>\n{}</svg>\n",
             self.width, self.height, self.body
         )
     }
+}
+
+/// Takes the colours and widths that all elements have in common out of them, for the group around them.
+fn share(elements: &str) -> (String, String) {
+    let mut shared = String::new();
+    let mut rest = elements.to_owned();
+    for key in ["fill", "stroke", "stroke-width"] {
+        let start = format!(" {key}=\"");
+        let Some(at) = rest.find(&start) else { continue };
+        let end = rest[at + start.len()..]
+            .find('"')
+            .map_or(rest.len(), |end| at + start.len() + end + 1);
+        let attribute = rest[at..end].to_owned();
+        if rest.lines().all(|element| element.contains(&attribute)) {
+            rest = rest.replace(&attribute, "");
+            shared.push_str(&attribute);
+        }
+    }
+    (shared, rest)
 }
 
 /// The attribute that dashes a layer's lines; empty for solid ones.
@@ -290,10 +309,9 @@ fn spans(text: &str, size: f64) -> String {
 fn advance(c: char) -> f64 {
     match c {
         'i' | 'j' | 'l' | 'I' | '\'' | '.' | ',' | ':' | ';' | ' ' | '|' => 0.32,
-        'f' | 't' | 'r' | '(' | ')' | '-' | '/' | '[' | ']' | '·' => 0.41,
+        'f' | 't' | 'r' | '(' | ')' | '-' | '/' | '[' | ']' | '·' | '⁰'..='₉' | '¹' | '²' | '³' => 0.41,
         'm' | 'w' | 'W' | 'M' | '@' | '…' => 0.98,
         '=' | '+' | '−' | '±' | '<' | '>' | '~' | '≤' | '≥' | '×' => 0.84,
-        '⁰'..='₉' | '¹' | '²' | '³' => 0.41,
         '\u{300}'..='\u{36f}' => 0.0,
         'A'..='Z' => 0.72,
         _ => 0.635,

@@ -8,9 +8,11 @@
 //! The digits of every form are chosen in `probability` and `estimate`; the CSV has them all. Tested in
 //! `tests/plots/table.rs`.
 
+use std::fmt::Write;
+
 use super::clip::Point;
 use super::csv;
-use super::panel::{Stroke, paths};
+use super::shapes::{Stroke, paths};
 use super::svg::{Anchor, PLAIN, Sheet, Type, shorten};
 use super::{Error, style};
 
@@ -110,7 +112,7 @@ fn cells(row: &Row) -> [String; 8] {
     let paper = |cell: fn(&Printed) -> String| row.paper.as_ref().map_or(NOTHING.to_owned(), cell);
     [
         row.spectrum.clone(),
-        row.theta_t.to_string(),
+        format!("{:?}", row.theta_t),
         with_error(row.p_true, row.p_true_se),
         paper(|printed| probability(Some(printed.p_true))),
         ours(row.sequential),
@@ -207,7 +209,7 @@ fn heads(sheet: &mut Sheet) -> Result<(), Error> {
     let mut rules = Vec::new();
     for (column, name) in groups {
         let (left, right) = (ENDS[column - 1] + 34.0, ENDS[column + 1]);
-        sheet.text((left + right) / 2.0, 36.0, bold, name);
+        sheet.text(left + (right - left) / 2.0, 36.0, bold, name);
         rules.push(((left, 47.0), right));
     }
     let names = [
@@ -258,10 +260,8 @@ pub fn markdown(table: &Table) -> String {
          |---|---|---|---|---|---|---|---|\n",
     );
     for row in &table.rows {
-        text.push_str(&format!(
-            "| {} |\n",
-            cells(row).map(|cell| cell.replace('|', "\\|")).join(" | ")
-        ));
+        let line = cells(row).map(|cell| cell.replace('|', "\\|")).join(" | ");
+        let _ = writeln!(text, "| {line} |");
     }
     format!("{text}\n{}\n", caption(table))
 }
@@ -275,7 +275,8 @@ pub fn latex(table: &Table) -> String {
          sea & $\\theta_t$ (rad) & ours & paper & ours & paper & ours & paper \\\\\n\\midrule\n",
     );
     for row in &table.rows {
-        text.push_str(&format!("{} \\\\\n", cells(row).map(|cell| tex(&cell)).join(" & ")));
+        let line = cells(row).map(|cell| tex(&cell)).join(" & ");
+        let _ = writeln!(text, "{line} \\\\");
     }
     format!("{text}\\bottomrule\n\\end{{tabular}}\n% {}\n", caption(table))
 }

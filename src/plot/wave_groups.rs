@@ -15,7 +15,8 @@ use super::clip::Point;
 use super::csv::{self, Cell};
 use super::density::{Density, upright_bar};
 use super::legend::{Entry, Sample, strip};
-use super::panel::{Panel, Stroke};
+use super::panel::Panel;
+use super::shapes::Stroke;
 use super::svg::Sheet;
 use super::{Error, same_length, style};
 
@@ -95,8 +96,12 @@ impl Series {
     /// The largest absolute value.
     pub fn largest(&self) -> f64 {
         let mut largest = 0.0;
-        for value in &self.value {
-            largest = if value.abs() > largest { value.abs() } else { largest };
+        for size in self.value.iter().map(|value| value.abs()) {
+            largest = if size.is_finite() && size > largest {
+                size
+            } else {
+                largest
+            };
         }
         largest
     }

@@ -38,6 +38,7 @@ fn all() -> Vec<(&'static str, String)> {
             "fig3_six_seas",
             exceedance::draw(&samples::exceedance(6, 3)).expect(drawn),
         ),
+        ("fig3_hostile", exceedance::draw(&samples::hostile()).expect(drawn)),
         (
             "fig3_one_sea",
             exceedance::draw(&samples::exceedance(1, 1)).expect(drawn),
@@ -54,6 +55,14 @@ fn every_figure_is_well_formed_small_and_within_its_sheet() {
         }
         svg::check(&drawn);
     }
+}
+
+#[test]
+fn a_method_is_found_by_its_name() {
+    for method in Method::ALL {
+        assert_eq!(Method::named(method.name()), Some(method));
+    }
+    assert_eq!(Method::named("guess"), None);
 }
 
 #[test]
@@ -79,7 +88,7 @@ fn figure_1_draws_every_group_and_names_its_lines() {
     ] {
         assert!(words.iter().any(|word| word == wanted), "{wanted} is missing");
     }
-    let black = drawn.matches("stroke=\"#141414\"").count();
+    let black = svg::stroked(&drawn, "#141414");
     assert_eq!(
         black,
         figure.groups.len() + 1,
@@ -132,7 +141,7 @@ fn figure_3_has_a_row_per_sea_and_one_legend() {
     for head in ["ε1 = 0", "ε1 = 0.002", "ε1 = 0.004", "10⁻¹", "10⁻⁴", "1"] {
         assert!(words.iter().any(|word| word == head), "{head} is missing");
     }
-    let orange = drawn.matches("stroke=\"#E86E04\"").count();
+    let orange = svg::stroked(&drawn, "#E86E04");
     assert_eq!(orange, 4 * 3 + 1, "a PIC line for each panel and one in the legend");
 }
 
@@ -146,7 +155,7 @@ fn a_zero_probability_is_not_drawn() {
     let drawn = exceedance::draw(&figure).expect("zeros are sound");
     svg::check(&drawn);
     assert_eq!(svg::count(&drawn, "circle"), 1, "the legend's dot alone is left");
-    assert_eq!(drawn.matches("stroke=\"#E86E04\"").count(), 1, "and the legend's line");
+    assert_eq!(svg::stroked(&drawn, "#E86E04"), 1, "and the legend's line");
 }
 
 #[test]
@@ -175,7 +184,7 @@ fn figure_4_shows_every_method_at_every_shape() {
         assert!(words.iter().any(|word| word == wanted), "{wanted} is missing");
     }
     assert!(words.iter().any(|word| word == "L/Tp = 1.5, A/Hs = 0.35 (1234 groups)"));
-    let green = drawn.matches("stroke=\"#0A823E\"").count();
+    let green = svg::stroked(&drawn, "#0A823E");
     assert_eq!(
         green,
         2 * 3 * (1 + 3) + 1,
@@ -225,6 +234,26 @@ fn figure_5_shades_one_side_of_the_mean_only() {
     ] {
         assert!(words.iter().any(|word| word == wanted), "{wanted} is missing");
     }
+}
+
+#[test]
+fn a_narrow_figure_breaks_its_legend_into_lines() {
+    let mut figure = samples::response_moments();
+    figure.shapes.truncate(1);
+    let mut again = figure.shapes[0].moments[3].clone();
+    again.method = Method::NicGroups;
+    figure.shapes[0].moments.push(again);
+    let drawn = response_moments::draw(&figure).expect("one shape is sound");
+    svg::check(&drawn);
+    let height = |name: &str| {
+        let all = svg::elements(&drawn);
+        let found = all
+            .iter()
+            .find(|element| element.text == name)
+            .expect("it is in the legend");
+        found.attribute("y").expect("it has a place").to_owned()
+    };
+    assert_ne!(height("truth"), height("NIC from reconstructed groups"));
 }
 
 #[test]
@@ -280,11 +309,7 @@ fn what_is_not_finite_breaks_the_line_and_is_not_written() {
     figure.rows[0].density.p[77] = f64::NAN;
     let drawn = exceedance::draw(&figure).expect("it is left out");
     svg::check(&drawn);
-    assert_eq!(
-        drawn.matches("stroke=\"#E86E04\"").count(),
-        2 + 1,
-        "PIC's line is in two parts"
-    );
+    assert_eq!(svg::stroked(&drawn, "#E86E04"), 2 + 1, "PIC's line is in two parts");
     assert!(!exceedance::csv(&[&figure]).contains("NaN"));
 }
 

@@ -121,6 +121,23 @@ pub(crate) fn exceedance(seas: usize, excitations: usize) -> Exceedance {
     }
 }
 
+/// Figure 3 of a ship that nearly always capsizes, in a sea with a long name, no curve with errors.
+pub(crate) fn hostile() -> Exceedance {
+    let mut figure = exceedance(1, 2);
+    "printed".clone_into(&mut figure.ship);
+    "a_sea_with_quite_a_long_name".clone_into(&mut figure.rows[0].spectrum);
+    let description = "Gaussian, bandwidth 0.02 rad/s, significant wave height 12 m, peak period 15 s";
+    description.clone_into(&mut figure.rows[0].description);
+    for curve in figure.rows[0].cells.iter_mut().flat_map(|cell| &mut cell.curves) {
+        for p in &mut curve.probability {
+            *p = 0.85 + 0.15 * *p;
+        }
+        curve.standard_error.clear();
+    }
+    figure.rows[0].cells[1].capsize_share = Some(0.853);
+    figure
+}
+
 /// Figure 1.
 pub(crate) fn wave_groups() -> WaveGroups {
     let groups = groups(64);
