@@ -1,12 +1,14 @@
 //! Claims about continuous roll: lanes against a scalar run that keeps its whole trajectory, bit for bit.
 
 use super::roll_twin::{Trajectory, printed, truth};
+use encounter::numerics::elementary::cos;
 use encounter::numerics::lanes::Level;
 use encounter::ship::continuous_roll::{Timing, continuous_record, continuous_states};
 use encounter::ship::encounter::Encounter;
 use encounter::ship::response::{Capsize, Response, Roll, Truth};
 use encounter::ship::roll_equation::{Damping, Ship};
 use encounter::ship::simulation::Simulation;
+use std::f64::consts::TAU;
 
 const SAMPLES: usize = 3072;
 const LEVELS: [Level; 3] = [Level::Base, Level::Avx2, Level::Avx512];
@@ -16,9 +18,8 @@ fn elevation() -> Vec<[f64; 8]> {
     let row = |j: usize| {
         [0, 1, 2, 3, 4, 5, 6, 7].map(|c: usize| {
             let height = if c > 5 { 6.0 } else { 1.2 };
-            let wave = |k: usize| {
-                ((k * j % SAMPLES) as f64 / SAMPLES as f64 * std::f64::consts::TAU + (k * k * (c + 3)) as f64).cos()
-            };
+            let turns = |k: usize| (k * j % SAMPLES) as f64 / SAMPLES as f64;
+            let wave = |k: usize| cos(turns(k) * TAU + (k * k * (c + 3)) as f64);
             (18..31).map(wave).sum::<f64>() * height
         })
     };
