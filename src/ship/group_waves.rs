@@ -10,8 +10,9 @@
 //! Tested in `tests/physics/encounter.rs` through runs that evaluate the formula at every sample.
 
 use crate::numerics::elementary::{exp, exp_lanes, sin_cos, sin_cos_lanes};
+use crate::ship::block::BLOCK;
 use crate::ship::encounter::GroupRun;
-use crate::ship::simulation::{BLOCK, COLUMNS, Waves};
+use crate::ship::simulation::{COLUMNS, Waves};
 
 /// One Gaussian group per column.
 #[derive(Clone, Copy, Default)]
