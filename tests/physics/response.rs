@@ -5,6 +5,7 @@ use encounter::numerics::elementary::cos;
 use encounter::numerics::lanes::Level;
 use encounter::ship::continuous_roll::{Timing, continuous_record, continuous_states};
 use encounter::ship::encounter::Encounter;
+use encounter::ship::initial_condition::RollState;
 use encounter::ship::response::{Capsize, Response, Roll, Truth};
 use encounter::ship::roll_equation::{Damping, Ship};
 use encounter::ship::simulation::Simulation;
@@ -204,4 +205,45 @@ fn the_grid_of_the_paper_has_its_numbers_of_steps() {
     assert_eq!((timing.h, timing.steps), (0.234375, 16_384));
     assert_eq!((timing.lead_in, timing.tail), (2134, 1280));
     assert_eq!(Timing::new(3840.0, 32_768, 100.0, 300.0).lead_in, 1280);
+}
+
+#[test]
+fn a_segment_holds_its_ends_even_where_one_step_capsizes() {
+    // One group per step, so short that its segment is that step: blocks, restarts and peaks fall on every border.
+    let h = timing().h;
+    let step = |s: i64| Encounter {
+        t_c: (s as f64 + 0.5) * h,
+        l: 0.3 * h,
+        a: 1.0,
+    };
+    let groups: Vec<Vec<Encounter>> = vec![(0..timing().steps).map(step).collect(); 8];
+    let eta = elevation();
+    for roll in [Roll::Absolute, Roll::Signed] {
+        let (ship, truth) = (printed(), Truth { roll, ..truth() });
+        let found = continuous_record(&Simulation::new(&ship, &truth, h), &timing(), &eta, &groups);
+        assert_eq!(found, twin(&ship, &truth, &eta, &groups));
+        assert!(found.iter().flatten().any(|f| f.capsizes > 16));
+    }
+}
+
+#[test]
+fn nothing_infinite_gets_out_of_an_overflow() {
+    let ship = Ship {
+        epsilon_2: 100.0,
+        ..printed()
+    };
+    let (truth, mut eta) = (truth(), elevation());
+    eta[800][0] = 1e308;
+    let simulation = Simulation::new(&ship, &truth, timing().h);
+    let states = continuous_states(&simulation, &timing(), &eta, 1, 1);
+    let is_finite = |s: &RollState| s.theta.is_finite() && s.theta_dot.is_finite();
+    assert!(states.iter().flatten().flatten().all(is_finite));
+    let found = continuous_record(&simulation, &timing(), &eta, &groups()[..1]);
+    assert!(
+        found
+            .iter()
+            .flatten()
+            .flat_map(|f| &f.r)
+            .all(|r| *r <= truth.capsize_angle)
+    );
 }
