@@ -17,7 +17,7 @@ use std::ops::Range;
 pub const COLUMNS: usize = 8;
 /// The most epsilon_1 side by side: 24 lanes keep the CPU busy, 32 do not fit its registers.
 pub const EPSILONS: usize = 3;
-/// Lanes of every block; with fewer epsilon_1 the last one fills up, which costs a wide CPU nothing.
+/// Lanes of every block; with fewer epsilon_1 the last one fills up and is not looked at.
 pub(crate) const LANES: usize = COLUMNS * EPSILONS;
 
 /// A ship, its rules of response and its step: everything a run needs but the waves.
