@@ -7,11 +7,12 @@
 //! Counted in [0, T_f) alone, at full steps: capsizes, and the time above the temporal level.
 //! Tested in `tests/physics/response.rs` against a scalar run that keeps its whole trajectory.
 
+use crate::ship::block::Block;
 use crate::ship::encounter::Encounter;
 use crate::ship::initial_condition::RollState;
 use crate::ship::response::{Capsize, Response};
 use crate::ship::segments::{Segment, SegmentMaxima};
-use crate::ship::simulation::{Block, COLUMNS, EPSILONS, LANES, Observer, Simulation, Span, Waves};
+use crate::ship::simulation::{COLUMNS, EPSILONS, LANES, Observer, Simulation, Span, Waves};
 
 /// The time grid of a field's run, in RK4 steps.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -11,10 +11,11 @@
 //!
 //! Tested in `tests/physics/encounter.rs`: scalar twin, the table of single groups, neighbours of a capsized lane.
 
+use crate::ship::block::Block;
 use crate::ship::group_waves::GroupWaves;
 use crate::ship::initial_condition::{RollState, predecessor};
 use crate::ship::segments::{Segment, SegmentMaxima};
-use crate::ship::simulation::{Block, COLUMNS, EPSILONS, Observer, Simulation, Span, Waves};
+use crate::ship::simulation::{COLUMNS, EPSILONS, Observer, Simulation, Span, Waves};
 use std::f64::consts::TAU;
 
 /// A wave group as the ship sees it.
@@ -75,7 +76,7 @@ impl Approach {
         GroupRun {
             start: -lead,
             groups: vec![Encounter { t_c: 0.0, ..group }],
-            segment: segment.within(0, segment.last),
+            segment: segment.within(0, segment.last.max(1)),
         }
     }
 

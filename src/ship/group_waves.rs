@@ -5,13 +5,14 @@
 //! ```
 //! At equal spacing delta = h/2 a Gaussian is a product of products: `g_(k+1) = g_k q_k`, `q_(k+1) = q_k exp(-delta^2/l^2)`;
 //! the carrier turns by a constant angle. Both are set anew from the formula for each block of at most 33 samples, so
-//! that rounding stays below 1e-13 of the amplitude, at a tenth of the cost of an exponential per sample.
+//! that rounding stays near 33^2/2 units in the last place of the amplitude, without an exponential per sample.
 //!
 //! Tested in `tests/physics/encounter.rs` through runs that evaluate the formula at every sample.
 
 use crate::numerics::elementary::{exp, exp_lanes, sin_cos, sin_cos_lanes};
+use crate::ship::block::BLOCK;
 use crate::ship::encounter::GroupRun;
-use crate::ship::simulation::{BLOCK, COLUMNS, Waves};
+use crate::ship::simulation::{COLUMNS, Waves};
 
 /// One Gaussian group per column.
 #[derive(Clone, Copy, Default)]

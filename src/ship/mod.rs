@@ -1,5 +1,6 @@
 //! Roll of the ship: the equation, the truth along a record, single runs through wave groups, exceedance.
 
+mod block;
 pub mod continuous_roll;
 pub mod encounter;
 pub mod exceedance;

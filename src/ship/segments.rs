@@ -4,7 +4,8 @@
 //! if both lie in the segment, a capsize at a full step counts if that instant does. Steps of a run are gathered in rows
 //! of lanes, sixteen rows are condensed into one, and every 1,024 steps the segments take what lies in them.
 
-use crate::ship::simulation::{BLOCK, Block, COLUMNS, LANES};
+use crate::ship::block::{BLOCK, Block};
+use crate::ship::simulation::{COLUMNS, LANES};
 
 /// Rows gathered before the segments take their maxima: small enough for the second-level cache.
 const ROWS: usize = 1024;

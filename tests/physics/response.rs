@@ -1,12 +1,15 @@
 //! Claims about continuous roll: lanes against a scalar run that keeps its whole trajectory, bit for bit.
 
 use super::roll_twin::{Trajectory, printed, truth};
+use encounter::numerics::elementary::cos;
 use encounter::numerics::lanes::Level;
 use encounter::ship::continuous_roll::{Timing, continuous_record, continuous_states};
 use encounter::ship::encounter::Encounter;
+use encounter::ship::initial_condition::RollState;
 use encounter::ship::response::{Capsize, Response, Roll, Truth};
 use encounter::ship::roll_equation::{Damping, Ship};
 use encounter::ship::simulation::Simulation;
+use std::f64::consts::TAU;
 
 const SAMPLES: usize = 3072;
 const LEVELS: [Level; 3] = [Level::Base, Level::Avx2, Level::Avx512];
@@ -16,9 +19,8 @@ fn elevation() -> Vec<[f64; 8]> {
     let row = |j: usize| {
         [0, 1, 2, 3, 4, 5, 6, 7].map(|c: usize| {
             let height = if c > 5 { 6.0 } else { 1.2 };
-            let wave = |k: usize| {
-                ((k * j % SAMPLES) as f64 / SAMPLES as f64 * std::f64::consts::TAU + (k * k * (c + 3)) as f64).cos()
-            };
+            let turns = |k: usize| (k * j % SAMPLES) as f64 / SAMPLES as f64;
+            let wave = |k: usize| cos(turns(k) * TAU + (k * k * (c + 3)) as f64);
             (18..31).map(wave).sum::<f64>() * height
         })
     };
@@ -203,4 +205,45 @@ fn the_grid_of_the_paper_has_its_numbers_of_steps() {
     assert_eq!((timing.h, timing.steps), (0.234375, 16_384));
     assert_eq!((timing.lead_in, timing.tail), (2134, 1280));
     assert_eq!(Timing::new(3840.0, 32_768, 100.0, 300.0).lead_in, 1280);
+}
+
+#[test]
+fn a_segment_holds_its_ends_even_where_one_step_capsizes() {
+    // One group per step, so short that its segment is that step: blocks, restarts and peaks fall on every border.
+    let h = timing().h;
+    let step = |s: i64| Encounter {
+        t_c: (s as f64 + 0.5) * h,
+        l: 0.3 * h,
+        a: 1.0,
+    };
+    let groups: Vec<Vec<Encounter>> = vec![(0..timing().steps).map(step).collect(); 8];
+    let eta = elevation();
+    for roll in [Roll::Absolute, Roll::Signed] {
+        let (ship, truth) = (printed(), Truth { roll, ..truth() });
+        let found = continuous_record(&Simulation::new(&ship, &truth, h), &timing(), &eta, &groups);
+        assert_eq!(found, twin(&ship, &truth, &eta, &groups));
+        assert!(found.iter().flatten().any(|f| f.capsizes > 16));
+    }
+}
+
+#[test]
+fn nothing_infinite_gets_out_of_an_overflow() {
+    let ship = Ship {
+        epsilon_2: 100.0,
+        ..printed()
+    };
+    let (truth, mut eta) = (truth(), elevation());
+    eta[800][0] = 1e308;
+    let simulation = Simulation::new(&ship, &truth, timing().h);
+    let states = continuous_states(&simulation, &timing(), &eta, 1, 1);
+    let is_finite = |s: &RollState| s.theta.is_finite() && s.theta_dot.is_finite();
+    assert!(states.iter().flatten().flatten().all(is_finite));
+    let found = continuous_record(&simulation, &timing(), &eta, &groups()[..1]);
+    assert!(
+        found
+            .iter()
+            .flatten()
+            .flat_map(|f| &f.r)
+            .all(|r| *r <= truth.capsize_angle)
+    );
 }

@@ -1,6 +1,7 @@
 //! Claims about Eq. (6) and the `[ship.NAME]` table.
 
 use super::roll_twin::{acceleration, printed};
+use encounter::numerics::elementary::{cos, exp, sin};
 use encounter::numerics::rk4;
 use encounter::ship::roll_equation::{Damping, RollEquation, Ship};
 
@@ -38,7 +39,7 @@ fn linear_roll_decays_as_its_exact_solution() {
     for k in 1..=640 {
         (x, v) = rk4::step(|x, v, e| equation.acceleration(x, v, e), h, x, v, [[0.0]; 3]);
         let t = f64::from(k) * h;
-        let exact = 0.4 * (-0.025 * t).exp() * ((omega * t).cos() + 0.025 / omega * (omega * t).sin());
+        let exact = 0.4 * exp(-0.025 * t) * (cos(omega * t) + 0.025 / omega * sin(omega * t));
         assert!((x[0] - exact).abs() < 2e-6, "t = {t}: {} for {exact}", x[0]);
     }
 }
@@ -52,7 +53,7 @@ fn rest_stays_rest_without_direct_excitation() {
     let equation = RollEquation::<2, true>::new(&ship, [0.0, 0.04]);
     let (mut x, mut v) = ([0.0; 2], [0.0; 2]);
     for k in 0..16_384 {
-        let eta = |j: i32| [9.0 * f64::from(2 * k + j).sin(); 2];
+        let eta = |j: i32| [9.0 * sin(f64::from(2 * k + j)); 2];
         let forcing = [eta(0), eta(1), eta(2)];
         (x, v) = rk4::step(|x, v, e| equation.acceleration(x, v, e), 15.0 / 64.0, x, v, forcing);
         assert_eq!((x, v), ([0.0; 2], [0.0; 2]));
