@@ -21,7 +21,6 @@ pub struct Case {
 
 /// The `[vhgp_seq]` table.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
 pub struct VhgpSeq {
     /// Samples of the Latin hypercube, n_init.
     #[serde(deserialize_with = "count")]
