@@ -3,6 +3,12 @@
 use crate::engine::case::Axis;
 
 /// The ships of `[run] ships`.
-pub const SHIP: Axis = Axis { table: "ship", list: "ships" };
+pub const SHIP: Axis = Axis {
+    table: "ship",
+    list: "ships",
+};
 /// The seas of `[run] seas`.
-pub const SEA: Axis = Axis { table: "sea", list: "seas" };
+pub const SEA: Axis = Axis {
+    table: "sea",
+    list: "seas",
+};

@@ -5,8 +5,8 @@ use serde::{Deserialize, Serialize};
 use crate::engine::arrow::{All, PiecesOf};
 use crate::engine::error::Result;
 use crate::engine::stage::{Here, Stage};
+use crate::numerics::sums::mean;
 use crate::ship::exceedance::{Counts, Exceedances, Probabilities, Thresholds};
-use crate::ship::response::Response;
 use crate::ship::sample::SampledResponses;
 use crate::stages::cic::Cic;
 use crate::stages::ground_truth::GroundTruth;
@@ -61,14 +61,26 @@ impl Stage for Exceedance {
     type Output = Probabilities;
 
     fn check(p: &Params) -> std::result::Result<(), String> {
-        p.truth.thresholds.check().map_err(|why| format!("truth.thresholds.{why}"))?;
+        p.truth
+            .thresholds
+            .check()
+            .map_err(|why| format!("truth.thresholds.{why}"))?;
         let limit = p.truth.capsize_angle;
         let below = |key: &str, theta_t: f64| {
             let ok = theta_t >= 0.0 && theta_t < limit;
-            if ok { Ok(()) } else { Err(format!("{key}: expected a number from 0 to below capsize_angle = {limit}, found {theta_t}")) }
+            if ok {
+                Ok(())
+            } else {
+                Err(format!(
+                    "{key}: expected a number from 0 to below capsize_angle = {limit}, found {theta_t}"
+                ))
+            }
         };
         below("truth.thresholds.to", p.truth.thresholds.to)?;
-        p.vhgp_seq.case.iter().try_for_each(|row| below("vhgp_seq.case", row.theta_t))
+        p.vhgp_seq
+            .case
+            .iter()
+            .try_for_each(|row| below("vhgp_seq.case", row.theta_t))
     }
 
     fn run(
@@ -83,33 +95,26 @@ impl Stage for Exceedance {
         _: Here<'_>,
     ) -> Result<Probabilities> {
         let row = p.vhgp_seq.case.iter().find(|row| row.sea == p.case.sea);
-        let levels = Levels { figure: p.truth.thresholds.values(), table: row.map(|row| row.theta_t).into_iter().collect() };
-        let mut found = Probabilities { curves: Vec::new(), table: Vec::new(), counts: Vec::new() };
-        truth_curves(&levels, &truth, p.truth.capsize_angle, &mut found)?;
-        let sampled = |pieces: &mut dyn Iterator<Item = Result<std::sync::Arc<SampledResponses>>>| -> Result<Vec<Vec<Vec<f64>>>> {
-            let mut by_epsilon: Vec<Vec<Vec<f64>>> = Vec::new();
-            for piece in pieces {
-                let piece = piece?;
-                by_epsilon.resize(piece.r.len(), Vec::new());
-                for (all, own) in by_epsilon.iter_mut().zip(&piece.r) {
-                    all.extend(own.iter().cloned());
-                }
-            }
-            Ok(by_epsilon)
+        let levels = Levels {
+            figure: p.truth.thresholds.values(),
+            table: row.map(|row| row.theta_t).into_iter().collect(),
         };
+        let (counts, of_truth) = count_truth(&levels, &truth, p.truth.capsize_angle)?;
         let methods = [
-            ("cic", sampled(&mut cic.iter())?),
-            ("pic", sampled(&mut pic.iter())?),
-            ("nic", sampled(&mut nic.iter())?),
-            ("nic_groups", sampled(&mut nic_groups.iter())?),
+            ("truth", of_truth),
+            ("cic", count_sampled(&levels, &cic)?),
+            ("pic", count_sampled(&levels, &pic)?),
+            ("nic", count_sampled(&levels, &nic)?),
+            ("nic_groups", count_sampled(&levels, &nic_groups)?),
         ];
-        let epsilon_1: Vec<f64> = found.counts.iter().map(|counts| counts.epsilon_1).collect();
-        for (method, by_epsilon) in &methods {
-            for (epsilon_1, fields) in epsilon_1.iter().zip(by_epsilon) {
-                levels.add(method, *epsilon_1, fields.iter().map(Vec::as_slice), &mut found);
+        let (mut curves, mut table) = (Vec::new(), Vec::new());
+        for (method, counted) in &methods {
+            for (known, counted) in counts.iter().zip(counted) {
+                curves.push(counted.figure.curve(method, known.epsilon_1, &levels.figure));
+                table.push(counted.table.curve(method, known.epsilon_1, &levels.table));
             }
         }
-        Ok(found)
+        Ok(Probabilities { curves, table, counts })
     }
 }
 
@@ -119,44 +124,71 @@ struct Levels {
     table: Vec<f64>,
 }
 
-impl Levels {
-    fn add<'a>(&self, method: &str, epsilon_1: f64, fields: impl Iterator<Item = &'a [f64]> + Clone, found: &mut Probabilities) {
-        let curve = |levels: &[f64]| Exceedances::of_fields(levels, fields.clone()).curve(method, epsilon_1, levels);
-        found.curves.push(curve(&self.figure));
-        found.table.push(curve(&self.table));
-    }
+/// Exceedances of one method at one epsilon_1.
+#[derive(Clone)]
+struct Counted {
+    figure: Exceedances,
+    table: Exceedances,
 }
 
-/// Eq. (1) and the counts of the record, per epsilon_1.
-fn truth_curves(levels: &Levels, truth: &PiecesOf<'_, GroundTruth>, capsize_angle: f64, found: &mut Probabilities) -> Result<()> {
-    let mut epsilon_1 = Vec::new();
-    let mut fields: Vec<Vec<Response>> = Vec::new();
-    for piece in truth.iter() {
-        let piece = piece?;
-        epsilon_1.clone_from(&piece.epsilon_1);
-        fields.resize(epsilon_1.len(), Vec::new());
-        for (all, own) in fields.iter_mut().zip(&piece.fields) {
-            all.extend(own.iter().cloned());
+impl Levels {
+    fn none(&self) -> Counted {
+        Counted {
+            figure: Exceedances::none(self.figure.len()),
+            table: Exceedances::none(self.table.len()),
         }
     }
-    for (epsilon_1, responses) in epsilon_1.iter().zip(&fields) {
-        let kept = responses.iter().filter(|field| !field.dropped);
-        levels.add("truth", *epsilon_1, kept.map(|field| field.r.as_slice()), found);
-        found.counts.push(counts(*epsilon_1, responses, capsize_angle));
+
+    fn add_field(&self, counted: &mut Counted, r: &[f64]) {
+        counted.figure.add_field(&self.figure, r);
+        counted.table.add_field(&self.table, r);
     }
-    Ok(())
 }
 
-fn counts(epsilon_1: f64, fields: &[Response], capsize_angle: f64) -> Counts {
-    let times: Vec<f64> = fields.iter().map(|field| field.time_above).collect();
-    Counts {
-        epsilon_1,
-        fields: fields.len() as u64,
-        dropped: fields.iter().filter(|field| field.dropped).count() as u64,
-        groups: fields.iter().map(|field| field.r.len() as u64).sum(),
-        capsizes: fields.iter().map(|field| u64::from(field.capsizes)).sum(),
-        fields_with_capsize: fields.iter().filter(|field| field.capsizes > 0).count() as u64,
-        capsized_groups: fields.iter().map(|field| field.capsized_groups(capsize_angle) as u64).sum(),
-        time_above: crate::numerics::sums::mean(&times),
+/// What the sampled groups of a method exceed, per epsilon_1.
+fn count_sampled<S: Stage<Output = SampledResponses>>(
+    levels: &Levels,
+    pieces: &PiecesOf<'_, S>,
+) -> Result<Vec<Counted>> {
+    let mut counted = Vec::new();
+    for piece in pieces.iter() {
+        let piece = piece?;
+        counted.resize(piece.r.len(), levels.none());
+        for (counted, fields) in counted.iter_mut().zip(&piece.r) {
+            for r in fields {
+                levels.add_field(counted, r);
+            }
+        }
     }
+    Ok(counted)
+}
+
+/// What the continuous record counts and exceeds, per epsilon_1.
+fn count_truth(
+    levels: &Levels,
+    truth: &PiecesOf<'_, GroundTruth>,
+    capsize_angle: f64,
+) -> Result<(Vec<Counts>, Vec<Counted>)> {
+    let (mut counts, mut counted, mut times) = (Vec::<Counts>::new(), Vec::new(), Vec::<Vec<f64>>::new());
+    for piece in truth.iter() {
+        let piece = piece?;
+        let epsilons = piece.epsilon_1.len();
+        counts.resize(epsilons, Counts::default());
+        counted.resize(epsilons, levels.none());
+        times.resize(epsilons, Vec::new());
+        for (e, fields) in piece.fields.iter().enumerate() {
+            counts[e].epsilon_1 = piece.epsilon_1[e];
+            for field in fields {
+                counts[e].add(field, capsize_angle);
+                times[e].push(field.time_above);
+                if !field.dropped {
+                    levels.add_field(&mut counted[e], &field.r);
+                }
+            }
+        }
+    }
+    for (counts, times) in counts.iter_mut().zip(&times) {
+        counts.time_above = mean(times);
+    }
+    Ok((counts, counted))
 }

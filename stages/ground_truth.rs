@@ -57,7 +57,12 @@ impl Stage for GroundTruth {
         let samples = p.record.samples();
         let spacing = waves.t_p / f64::from(p.record.envelope_samples_per_period);
         let reach = p.truth.window * p.detection.longest * spacing;
-        let timing = Timing::new(p.record.field_period(waves.t_p), samples as u32, p.record.lead_in, reach);
+        let timing = Timing::new(
+            p.record.field_period(waves.t_p),
+            samples as u32,
+            p.record.lead_in,
+            reach,
+        );
         let simulation = Simulation::new(&p.ship, &p.truth, timing.h);
         let encounters = Selection::new(groups.parameters(), &[]).groups;
         let mut synthesis = p.record.synthesis();
@@ -70,6 +75,9 @@ impl Stage for GroundTruth {
                 all.extend(own);
             }
         }
-        Ok(Truths { epsilon_1: p.ship.epsilon_1.clone(), fields })
+        Ok(Truths {
+            epsilon_1: p.ship.epsilon_1.clone(),
+            fields,
+        })
     }
 }

@@ -51,7 +51,10 @@ impl Stage for GroupSample {
             wanted -= usize::from(taken);
             taken
         };
-        let fields = counts.into_iter().map(|count| (0..count as u32).filter(&mut take).collect()).collect();
+        let fields = counts
+            .into_iter()
+            .map(|count| (0..count as u32).filter(&mut take).collect())
+            .collect();
         Ok(Sample { fields })
     }
 }

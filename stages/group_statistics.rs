@@ -55,11 +55,16 @@ impl Stage for GroupStatistics {
         for (key, range) in [("l_over_tp", density.l_over_tp), ("a_over_hs", density.a_over_hs)] {
             let ok = range.iter().all(|x| x.is_finite()) && range[0] < range[1];
             if !ok {
-                return Err(format!("density.{key}: expected [from, to] with from < to, found {range:?}"));
+                return Err(format!(
+                    "density.{key}: expected [from, to] with from < to, found {range:?}"
+                ));
             }
         }
         if !density.bandwidth.iter().all(|b| b.is_finite() && *b > 0.0) {
-            return Err(format!("density.bandwidth: expected two numbers > 0, found {:?}", density.bandwidth));
+            return Err(format!(
+                "density.bandwidth: expected two numbers > 0, found {:?}",
+                density.bandwidth
+            ));
         }
         if !(2..=1024).contains(&density.points) {
             return Err(format!("density.points: expected 2 to 1024, found {}", density.points));

@@ -4,8 +4,8 @@ pub mod axes;
 pub mod cic;
 pub mod envelope;
 pub mod exceedance;
-pub mod ground_truth;
 pub mod figures;
+pub mod ground_truth;
 pub mod group_detection;
 pub mod group_sample;
 pub mod group_statistics;
@@ -52,4 +52,8 @@ pub const CONTENTS: &[&dyn Node] = &[
 ];
 
 /// The pipeline of the paper.
-pub const PIPELINE: Pipeline = Pipeline { axes: &[axes::SHIP, axes::SEA], contents: CONTENTS, optional: &[] };
+pub const PIPELINE: Pipeline = Pipeline {
+    axes: &[axes::SHIP, axes::SEA],
+    contents: CONTENTS,
+    optional: &[],
+};

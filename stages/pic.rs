@@ -60,8 +60,11 @@ impl Stage for Pic {
         };
         let runs: Vec<GroupRun> = selection.encounters().map(|group| approach.alone(group)).collect();
         let draws = draws(&selection, &here, ensemble.states[0].len());
-        let initial: Vec<Vec<RollState>> =
-            ensemble.states.iter().map(|states| draws.iter().map(|draw| states[*draw]).collect()).collect();
+        let initial: Vec<Vec<RollState>> = ensemble
+            .states
+            .iter()
+            .map(|states| draws.iter().map(|draw| states[*draw]).collect())
+            .collect();
         let simulation = Simulation::new(&p.ship, &p.truth, approach.h);
         let r = max_roll_through_groups(&simulation, t_p, &runs, &initial);
         Ok(selection.responses(&p.ship.epsilon_1, &r))
@@ -71,7 +74,8 @@ impl Stage for Pic {
 /// A place in the ensemble for each sampled group. Every group of a field draws one, sampled or not, so that another
 /// sample does not shuffle them; all epsilon_1 take the same place.
 fn draws(selection: &Selection<'_>, here: &Here<'_>, ensemble: usize) -> Vec<usize> {
-    let of_field = |(groups, mut stream): (usize, _)| (0..groups).map(move |_| random::below(&mut stream, ensemble)).collect();
+    let of_field =
+        |(groups, mut stream): (usize, _)| (0..groups).map(move |_| random::below(&mut stream, ensemble)).collect();
     let counts = selection.groups.iter().map(Vec::len);
     let all: Vec<Vec<usize>> = counts.zip(here.streams()).map(of_field).collect();
     selection.sampled().map(|(field, place)| all[field][place]).collect()

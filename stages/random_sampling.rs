@@ -53,11 +53,21 @@ impl Stage for RandomSampling {
         let samples = &p.random_sampling.samples;
         let ascending = samples.windows(2).all(|pair| pair[0] < pair[1]);
         let ok = ascending && samples.first().is_some_and(|first| *first > 0);
-        if ok { Ok(()) } else { Err(format!("random_sampling.samples: expected ascending numbers > 0, found {samples:?}")) }
+        if ok {
+            Ok(())
+        } else {
+            Err(format!(
+                "random_sampling.samples: expected ascending numbers > 0, found {samples:?}"
+            ))
+        }
     }
 
     fn run(p: &Params, (responses,): (Arc<Responses>,), here: Here<'_>) -> Result<RandomEstimates> {
-        let row = p.vhgp_seq.case.first().ok_or_else(|| Error::stage("no row of vhgp_seq.case names this sea"))?;
+        let row = p
+            .vhgp_seq
+            .case
+            .first()
+            .ok_or_else(|| Error::stage("no row of vhgp_seq.case names this sea"))?;
         let mut n_samples = p.random_sampling.samples.clone();
         n_samples.push(p.vhgp_seq.total);
         n_samples.sort_unstable();

@@ -18,8 +18,8 @@ use crate::ship::response::{Moments, Point, Truth};
 use crate::ship::roll_equation::Ship;
 use crate::ship::simulation::Simulation;
 use crate::stages::axes::SEA;
-use crate::stages::group_detection::GroupDetection;
 use crate::stages::ground_truth::GroundTruth;
+use crate::stages::group_detection::GroupDetection;
 use crate::stages::nic::Nic;
 use crate::stages::roll_ensemble::RollEnsemble;
 
@@ -58,10 +58,16 @@ impl Stage for ResponseMoments {
     fn check(p: &Params) -> std::result::Result<(), String> {
         let positive = |pair: &[f64; 2]| pair.iter().all(|x| x.is_finite() && *x > 0.0);
         if p.moments.groups.is_empty() || !p.moments.groups.iter().all(positive) {
-            return Err(format!("moments.groups: expected pairs of numbers > 0, found {:?}", p.moments.groups));
+            return Err(format!(
+                "moments.groups: expected pairs of numbers > 0, found {:?}",
+                p.moments.groups
+            ));
         }
         if !positive(&p.moments.half_width) {
-            return Err(format!("moments.half_width: expected two numbers > 0, found {:?}", p.moments.half_width));
+            return Err(format!(
+                "moments.half_width: expected two numbers > 0, found {:?}",
+                p.moments.half_width
+            ));
         }
         Ok(())
     }
@@ -82,7 +88,12 @@ impl Stage for ResponseMoments {
         for (bin, group) in p.moments.groups.iter().enumerate() {
             let (cic, pic) = at_centre(p, *group, &ensemble);
             for (e, epsilon_1) in p.ship.epsilon_1.iter().enumerate() {
-                let all = [("truth", &truth[e][bin]), ("cic", &cic[e]), ("pic", &pic[e]), ("nic", &nic[e][bin])];
+                let all = [
+                    ("truth", &truth[e][bin]),
+                    ("cic", &cic[e]),
+                    ("pic", &pic[e]),
+                    ("nic", &nic[e][bin]),
+                ];
                 points.extend(all.map(|(method, r)| Point {
                     epsilon_1: *epsilon_1,
                     group: *group,
@@ -100,7 +111,12 @@ impl Params {
     fn bins(&self, l: f64, a: f64) -> impl Iterator<Item = usize> + '_ {
         let size = [l / self.sea.peak_period, a / self.sea.significant_wave_height];
         let holds = move |centre: &[f64; 2]| (0..2).all(|i| (size[i] - centre[i]).abs() <= self.moments.half_width[i]);
-        self.moments.groups.iter().enumerate().filter(move |(_, centre)| holds(centre)).map(|(bin, _)| bin)
+        self.moments
+            .groups
+            .iter()
+            .enumerate()
+            .filter(move |(_, centre)| holds(centre))
+            .map(|(bin, _)| bin)
     }
 
     fn empty(&self) -> Vec<Vec<Vec<f64>>> {
@@ -154,7 +170,11 @@ fn at_centre(p: &Params, group: [f64; 2], ensemble: &Ensemble) -> (Vec<Vec<f64>>
         estimate_window: p.estimate.window,
         groups_ahead: 0,
     };
-    let encounter = Encounter { t_c: 0.0, l: group[0] * t_p, a: group[1] * p.sea.significant_wave_height };
+    let encounter = Encounter {
+        t_c: 0.0,
+        l: group[0] * t_p,
+        a: group[1] * p.sea.significant_wave_height,
+    };
     let run: GroupRun = approach.alone(encounter);
     let simulation = Simulation::new(&p.ship, &p.truth, approach.h);
     let cic = max_roll_through_groups(&simulation, t_p, std::slice::from_ref(&run), &[]);

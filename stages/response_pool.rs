@@ -57,7 +57,9 @@ impl Stage for ResponsePool {
             let known = piece.epsilon_1.get(index).zip(piece.r.get(index));
             let (value, own) = known.ok_or_else(|| {
                 let count = piece.epsilon_1.len();
-                Error::stage(format!("vhgp_seq.epsilon_1_index: expected less than {count}, the length of the ship's list, found {index}"))
+                Error::stage(format!(
+                    "vhgp_seq.epsilon_1_index: expected less than {count}, the length of the ship's list, found {index}"
+                ))
             })?;
             epsilon_1 = *value;
             let sizes = piece.l.iter().flatten().zip(piece.a.iter().flatten());
@@ -65,7 +67,9 @@ impl Stage for ResponsePool {
             r.extend(own.iter().flatten());
         }
         if points.is_empty() {
-            return Err(Error::stage("no wave group was detected, so nothing can be sampled; expected a longer record"));
+            return Err(Error::stage(
+                "no wave group was detected, so nothing can be sampled; expected a longer record",
+            ));
         }
         let grid = Grid {
             lower: p.vhgp_seq.domain.map(|range| range[0]),
@@ -76,6 +80,12 @@ impl Stage for ResponsePool {
         let mut stream = here.stream(0);
         let mut draw = |_| points[random::below(&mut stream, points.len())];
         let monte_carlo = (0..p.vhgp_seq.monte_carlo).map(&mut draw).collect();
-        Ok(Pool { epsilon_1, points, r, density, monte_carlo })
+        Ok(Pool {
+            epsilon_1,
+            points,
+            r,
+            density,
+            monte_carlo,
+        })
     }
 }

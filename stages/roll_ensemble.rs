@@ -68,6 +68,9 @@ impl Stage for RollEnsemble {
                 }
             }
         }
-        Ok(Ensemble { epsilon_1: p.ship.epsilon_1.clone(), states })
+        Ok(Ensemble {
+            epsilon_1: p.ship.epsilon_1.clone(),
+            states,
+        })
     }
 }

@@ -42,14 +42,27 @@ impl Stage for VhgpSeq {
 
     fn run(p: &Params, (responses,): (Arc<Responses>,), here: Here<'_>) -> Result<Realisation> {
         let settings = &p.vhgp_seq;
-        let row = settings.case.first().ok_or_else(|| Error::stage("no row of vhgp_seq.case names this sea"))?;
-        let input = Input::new(settings.candidates(), responses.density.clone(), responses.monte_carlo.clone());
+        let row = settings
+            .case
+            .first()
+            .ok_or_else(|| Error::stage("no row of vhgp_seq.case names this sea"))?;
+        let input = Input::new(
+            settings.candidates(),
+            responses.density.clone(),
+            responses.monte_carlo.clone(),
+        );
         let pool = Pool::new(&responses.points);
         let mut used = Used::default();
         let respond = |query: [f64; 2], stream: &mut _| {
             let index = pool.draw(&query, settings.neighbours, &mut used, stream)?;
             Some((pool.point(index), responses.r[index as usize]))
         };
-        Ok(sequential(settings, &input, row.theta_t, respond, &mut here.stream(here.first)))
+        Ok(sequential(
+            settings,
+            &input,
+            row.theta_t,
+            respond,
+            &mut here.stream(here.first),
+        ))
     }
 }

@@ -30,9 +30,15 @@ fn main() -> std::io::Result<()> {
 fn rustc_version() -> String {
     let compiler = std::env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
     let output = std::process::Command::new(compiler).arg("--version").output();
-    let text = output.map(|output| String::from_utf8_lossy(&output.stdout).into_owned()).unwrap_or_default();
+    let text = output
+        .map(|output| String::from_utf8_lossy(&output.stdout).into_owned())
+        .unwrap_or_default();
     let words: Vec<&str> = text.split_whitespace().take(2).collect();
-    if words.is_empty() { "rustc unknown".to_owned() } else { words.join(" ") }
+    if words.is_empty() {
+        "rustc unknown".to_owned()
+    } else {
+        words.join(" ")
+    }
 }
 
 fn table_text(root: &Path) -> std::io::Result<String> {

@@ -105,7 +105,9 @@ impl Common {
     }
 
     fn store_folder(&self) -> Result<PathBuf> {
-        self.store.clone().map_or_else(|| Ok(Self::root()?.join("artifacts")), Ok)
+        self.store
+            .clone()
+            .map_or_else(|| Ok(Self::root()?.join("artifacts")), Ok)
     }
 
     fn figures_folder(&self) -> Result<PathBuf> {
@@ -135,7 +137,12 @@ impl Common {
         let targets: Vec<Target> = targets.iter().map(|text| Target::parse(text)).collect();
         let graph = Graph::new(&PIPELINE, &params, &targets)?;
         let ships = params.list(SHIP)?;
-        Ok(Session { graph, ships, store: self.store_folder()?, figures: self.figures_folder()? })
+        Ok(Session {
+            graph,
+            ships,
+            store: self.store_folder()?,
+            figures: self.figures_folder()?,
+        })
     }
 }
 

@@ -31,7 +31,10 @@ impl Progress {
     pub fn new() -> Self {
         let terminal = std::io::stderr().is_terminal();
         let bars = terminal.then(|| MultiProgress::with_draw_target(ProgressDrawTarget::stderr_with_hz(8)));
-        Self { bars, state: Mutex::default() }
+        Self {
+            bars,
+            state: Mutex::default(),
+        }
     }
 
     /// Takes note of an event.
@@ -74,13 +77,19 @@ impl Progress {
 
     fn show_bar(&self, state: &mut MutexGuard<'_, State>, node: &str) {
         let Some(bars) = &self.bars else { return };
-        let Some((left, all, bar)) = state.stages.get_mut(stage_of(node)) else { return };
+        let Some((left, all, bar)) = state.stages.get_mut(stage_of(node)) else {
+            return;
+        };
         if bar.is_some() {
             return;
         }
         let style = ProgressStyle::with_template("{prefix:<24} {wide_bar} {pos:>5}/{len} {elapsed:>4} eta {eta:>4}")
             .unwrap_or_else(|_| ProgressStyle::default_bar());
-        let new = bars.add(ProgressBar::new(*all as u64).with_style(style).with_prefix(stage_of(node).to_owned()));
+        let new = bars.add(
+            ProgressBar::new(*all as u64)
+                .with_style(style)
+                .with_prefix(stage_of(node).to_owned()),
+        );
         new.set_position((*all - *left) as u64);
         new.reset_eta();
         *bar = Some(new);
@@ -96,7 +105,9 @@ impl Progress {
                 }
             }
         }
-        let Some((left, ran, total)) = state.nodes.get_mut(node) else { return };
+        let Some((left, ran, total)) = state.nodes.get_mut(node) else {
+            return;
+        };
         *left = left.saturating_sub(1);
         *ran += usize::from(seconds.is_some());
         *total += seconds.unwrap_or(0.0);

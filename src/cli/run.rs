@@ -76,15 +76,13 @@ pub fn run(args: &RunArgs) -> Result<()> {
 
 /// The number of worker threads in force.
 pub(super) fn workers(j: Option<u16>) -> usize {
-    j.map_or_else(|| std::thread::available_parallelism().map_or(1, usize::from), usize::from)
+    j.map_or_else(
+        || std::thread::available_parallelism().map_or(1, usize::from),
+        usize::from,
+    )
 }
 
-fn execute(
-    args: &RunArgs,
-    session: &Session,
-    store: &Store,
-    listener: &(dyn Fn(&Event) + Sync),
-) -> Result<()> {
+fn execute(args: &RunArgs, session: &Session, store: &Store, listener: &(dyn Fn(&Event) + Sync)) -> Result<()> {
     let run = Run::new(&session.graph, store, listener);
     schedule::execute(&run, workers(args.j))?;
     let texts = publish::texts(&run, SHIP, &session.ships)?;
@@ -107,13 +105,22 @@ fn write_lock(args: &RunArgs, lock: &Lock) -> Result<()> {
     let temporary = path.with_extension("lock.tmp");
     fs::write(&temporary, lock.text())
         .and_then(|()| fs::rename(&temporary, &path))
-        .map_err(|source| Error::Io { action: "write the lock", path, source })
+        .map_err(|source| Error::Io {
+            action: "write the lock",
+            path,
+            source,
+        })
 }
 
 impl Ledger {
     fn hear(&mut self, event: &Event) {
         match event {
-            Event::DidRun { node, piece, seconds, bytes } => {
+            Event::DidRun {
+                node,
+                piece,
+                seconds,
+                bytes,
+            } => {
                 self.ran.push((node.clone(), *piece, *seconds, *bytes));
             }
             Event::DidReuse { .. } => self.reused += 1,
@@ -130,8 +137,11 @@ impl Ledger {
             .iter()
             .map(|(node, piece, seconds, _)| json!({"node": node, "piece": piece, "seconds": seconds}))
             .collect();
-        let files: Vec<_> =
-            self.files.iter().map(|(path, id, written)| json!({"path": path, "id": id, "written": written})).collect();
+        let files: Vec<_> = self
+            .files
+            .iter()
+            .map(|(path, id, written)| json!({"path": path, "id": id, "written": written}))
+            .collect();
         json!({
             "format": 1, "ran": ran, "reused": self.reused, "healed": self.healed, "failed": self.failed,
             "seconds": seconds, "files": files,
@@ -165,7 +175,10 @@ impl Ledger {
             let name = node.node.name();
             if let Some((pieces, seconds, bytes)) = of.get(name).filter(|_| !told.contains(&name)) {
                 let megabytes = *bytes as f64 / 1e6;
-                println!("{:<12} {name:<22} {pieces:>6} pieces {seconds:>9.2} s {megabytes:>10.2} MB", node.node.paper());
+                println!(
+                    "{:<12} {name:<22} {pieces:>6} pieces {seconds:>9.2} s {megabytes:>10.2} MB",
+                    node.node.paper()
+                );
                 told.push(name);
             }
         }

@@ -32,11 +32,18 @@ pub fn show(args: &ShowArgs) -> Result<()> {
             run.decide(node, piece);
         }
     }
-    let node = session.graph.find(&target).ok_or_else(|| Error::Usage(format!("{}: no such node", args.node)))?;
+    let node = session
+        .graph
+        .find(&target)
+        .ok_or_else(|| Error::Usage(format!("{}: no such node", args.node)))?;
     let it = &session.graph.nodes[node];
     let piece = target.piece.unwrap_or(0);
     if piece >= it.pieces.len() {
-        let found = format!("{}: expected a piece from 0 to {}, found {piece}", it.name(), it.pieces.len() - 1);
+        let found = format!(
+            "{}: expected a piece from 0 to {}, found {piece}",
+            it.name(),
+            it.pieces.len() - 1
+        );
         return Err(Error::Usage(found));
     }
     let record = match run.decide(node, piece) {
@@ -45,7 +52,9 @@ pub fn show(args: &ShowArgs) -> Result<()> {
     };
     let record = record.ok_or_else(|| {
         let name = it.piece_name(piece);
-        Error::Usage(format!("{name}: not made yet with these parameters; `encounter run {name}` makes it"))
+        Error::Usage(format!(
+            "{name}: not made yet with these parameters; `encounter run {name}` makes it"
+        ))
     })?;
     let value = it.node.json(&run.bytes(node, piece)?)?;
     if args.common.json {

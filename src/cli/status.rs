@@ -36,7 +36,10 @@ pub(super) fn print(common: &Common, session: &Session) -> Result<()> {
     let nodes = plan(&session.graph, &store);
     let files = files(session, &store, &nodes);
     if common.json {
-        let files: Vec<_> = files.iter().map(|(path, state)| json!({"path": path, "state": state})).collect();
+        let files: Vec<_> = files
+            .iter()
+            .map(|(path, state)| json!({"path": path, "state": state}))
+            .collect();
         let profile = common.profile.name();
         print_json(&json!({"format": 1, "profile": profile, "nodes": nodes, "files": files}));
         return Ok(());
@@ -79,17 +82,28 @@ fn files(session: &Session, store: &crate::engine::store::Store, nodes: &[NodePl
     for (node, prefix) in publish::layout(&session.graph, SHIP, &session.ships) {
         let stem = session.graph.nodes[node].node.name();
         if nodes[node].cached < nodes[node].pieces {
-            let state = |path: &str| if session.figures.join(path).exists() { "outdated" } else { "missing" };
+            let state = |path: &str| {
+                if session.figures.join(path).exists() {
+                    "outdated"
+                } else {
+                    "missing"
+                }
+            };
             let path = format!("{prefix}{stem}");
             let existing = ["svg", "csv", "md", "tex"].map(|extension| format!("{path}.{extension}"));
-            let present: Vec<&String> = existing.iter().filter(|path| session.figures.join(path).exists()).collect();
+            let present: Vec<&String> = existing
+                .iter()
+                .filter(|path| session.figures.join(path).exists())
+                .collect();
             if present.is_empty() {
                 files.push((path, "missing"));
             }
             files.extend(present.iter().map(|path| ((*path).clone(), state(path))));
             continue;
         }
-        let texts = run.bytes(node, 0).and_then(|bytes| session.graph.nodes[node].node.published(&bytes));
+        let texts = run
+            .bytes(node, 0)
+            .and_then(|bytes| session.graph.nodes[node].node.published(&bytes));
         for (name, text) in texts.unwrap_or_default() {
             let path = format!("{prefix}{name}");
             let state = state_of(&session.figures.join(&path), &text);

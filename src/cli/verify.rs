@@ -44,20 +44,37 @@ pub struct VerifyArgs {
 pub fn verify(args: &VerifyArgs) -> Result<()> {
     let session = args.common.open(&[])?;
     let path = args.common.lock_file()?;
-    let text = fs::read_to_string(&path).map_err(|source| Error::Io { action: "read", path: path.clone(), source })?;
+    let text = fs::read_to_string(&path).map_err(|source| Error::Io {
+        action: "read",
+        path: path.clone(),
+        source,
+    })?;
     let lock = Lock::parse(&text)?;
-    let differences = if args.rebuild { rebuild(args, &session, &lock)? } else { compare(args, &session, &lock)? };
+    let differences = if args.rebuild {
+        rebuild(args, &session, &lock)?
+    } else {
+        compare(args, &session, &lock)?
+    };
     if args.common.json {
         let lines = lock.lines.len();
-        print_json(&json!({"format": 1, "lock": path.display().to_string(), "lines": lines, "differences": differences}));
+        print_json(
+            &json!({"format": 1, "lock": path.display().to_string(), "lines": lines, "differences": differences}),
+        );
     } else if differences.is_empty() {
         println!("{}: {} lines, all equal", path.display(), lock.lines.len());
     }
     match differences.as_slice() {
         [] => Ok(()),
         [first, rest @ ..] => {
-            let others = if rest.is_empty() { String::new() } else { format!("\nand {} more:\n{}", rest.len(), rest.join("\n")) };
-            Err(Error::Difference(format!("{} differs: {first}{others}", path.display())))
+            let others = if rest.is_empty() {
+                String::new()
+            } else {
+                format!("\nand {} more:\n{}", rest.len(), rest.join("\n"))
+            };
+            Err(Error::Difference(format!(
+                "{} differs: {first}{others}",
+                path.display()
+            )))
         }
     }
 }

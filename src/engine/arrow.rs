@@ -55,7 +55,11 @@ pub struct PiecesOf<'a, S: Stage> {
 
 impl<'a, S: Stage> PiecesOf<'a, S> {
     fn new(reader: &Reader<'a>, upstream: usize) -> Self {
-        Self { reader: reader.clone(), upstream, stage: PhantomData }
+        Self {
+            reader: reader.clone(),
+            upstream,
+            stage: PhantomData,
+        }
     }
 
     /// The number of pieces.

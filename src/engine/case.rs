@@ -28,7 +28,10 @@ impl Case {
 
     /// The value of an axis, if the node depends on it.
     pub fn value(&self, axis: Axis) -> Option<&str> {
-        self.values.iter().find(|(table, _)| *table == axis.table).map(|(_, value)| value.as_str())
+        self.values
+            .iter()
+            .find(|(table, _)| *table == axis.table)
+            .map(|(_, value)| value.as_str())
     }
 
     /// The (table, value) pairs in axis order.

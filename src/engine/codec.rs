@@ -14,7 +14,10 @@ pub const CODEC: u16 = 1;
 pub const LIMIT: usize = 1 << 30;
 
 fn configuration() -> impl bincode::config::Config {
-    bincode::config::standard().with_little_endian().with_fixed_int_encoding().with_limit::<LIMIT>()
+    bincode::config::standard()
+        .with_little_endian()
+        .with_fixed_int_encoding()
+        .with_limit::<LIMIT>()
 }
 
 /// Encodes a value.
@@ -22,11 +25,16 @@ fn configuration() -> impl bincode::config::Config {
 /// # Errors
 /// A value that serde cannot describe, or one longer than [`LIMIT`].
 pub fn encode<T: Serialize>(value: &T) -> Result<Vec<u8>> {
-    let bytes = bincode::serde::encode_to_vec(value, configuration())
-        .map_err(|why| Error::Damaged { what: "a value to encode".into(), why: why.to_string() })?;
+    let bytes = bincode::serde::encode_to_vec(value, configuration()).map_err(|why| Error::Damaged {
+        what: "a value to encode".into(),
+        why: why.to_string(),
+    })?;
     if bytes.len() > LIMIT {
         let why = format!("{} bytes, more than the limit of {LIMIT}", bytes.len());
-        return Err(Error::Damaged { what: "a value to encode".into(), why });
+        return Err(Error::Damaged {
+            what: "a value to encode".into(),
+            why,
+        });
     }
     Ok(bytes)
 }
@@ -36,7 +44,10 @@ pub fn encode<T: Serialize>(value: &T) -> Result<Vec<u8>> {
 /// # Errors
 /// Bytes of another type, too few or too many, or a length beyond [`LIMIT`].
 pub fn decode<T: DeserializeOwned>(bytes: &[u8]) -> Result<T> {
-    let damaged = |why: String| Error::Damaged { what: "an encoded value".into(), why };
+    let damaged = |why: String| Error::Damaged {
+        what: "an encoded value".into(),
+        why,
+    };
     let (value, read) =
         bincode::serde::decode_from_slice(bytes, configuration()).map_err(|why| damaged(why.to_string()))?;
     if read != bytes.len() {

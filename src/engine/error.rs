@@ -58,13 +58,19 @@ pub enum Error {
 impl Error {
     /// A failure inside a stage, told in the stage's words; the engine adds the node.
     pub fn stage(message: impl Into<String>) -> Self {
-        Self::Stage { node: String::new(), message: message.into() }
+        Self::Stage {
+            node: String::new(),
+            message: message.into(),
+        }
     }
 
     /// Names the node of a stage's failure.
     pub(crate) fn at(self, node: &str) -> Self {
         match self {
-            Self::Stage { message, .. } => Self::Stage { node: node.to_owned(), message },
+            Self::Stage { message, .. } => Self::Stage {
+                node: node.to_owned(),
+                message,
+            },
             other => other,
         }
     }

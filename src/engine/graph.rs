@@ -61,12 +61,28 @@ impl Target {
         let stage = parts.next().unwrap_or_default().to_owned();
         let rest: Vec<&str> = parts.collect();
         match rest.as_slice() {
-            [] => Self { stage, case: None, piece: None },
-            [one] => match one.parse() {
-                Ok(piece) => Self { stage, case: None, piece: Some(piece) },
-                Err(_) => Self { stage, case: Some((*one).to_owned()), piece: None },
+            [] => Self {
+                stage,
+                case: None,
+                piece: None,
             },
-            [case, piece, ..] => Self { stage, case: Some((*case).to_owned()), piece: piece.parse().ok() },
+            [one] => match one.parse() {
+                Ok(piece) => Self {
+                    stage,
+                    case: None,
+                    piece: Some(piece),
+                },
+                Err(_) => Self {
+                    stage,
+                    case: Some((*one).to_owned()),
+                    piece: None,
+                },
+            },
+            [case, piece, ..] => Self {
+                stage,
+                case: Some((*case).to_owned()),
+                piece: piece.parse().ok(),
+            },
         }
     }
 }
@@ -75,7 +91,11 @@ impl NodeCase {
     /// `STAGE/CASE`, or `STAGE` for a node without axes.
     pub fn name(&self) -> String {
         let case = self.case.to_string();
-        if case.is_empty() { self.node.name().to_owned() } else { format!("{}/{case}", self.node.name()) }
+        if case.is_empty() {
+            self.node.name().to_owned()
+        } else {
+            format!("{}/{case}", self.node.name())
+        }
     }
 
     /// The parameters it reads.
@@ -85,7 +105,11 @@ impl NodeCase {
 
     /// `STAGE/CASE/PIECE`.
     pub fn piece_name(&self, piece: usize) -> String {
-        if self.pieces.len() == 1 { self.name() } else { format!("{}/{piece}", self.name()) }
+        if self.pieces.len() == 1 {
+            self.name()
+        } else {
+            format!("{}/{piece}", self.name())
+        }
     }
 }
 
@@ -152,13 +176,27 @@ impl<'a> Builder<'a> {
             }
             order.push(names);
         }
-        Ok(Self { pipeline, params, axes: pipeline.axes_of_all(), order, wanted: BTreeMap::new() })
+        Ok(Self {
+            pipeline,
+            params,
+            axes: pipeline.axes_of_all(),
+            order,
+            wanted: BTreeMap::new(),
+        })
     }
 
     fn slot(&self, place: usize, case: &Case) -> Slot {
         let rank = |(table, value): &(&str, String)| {
-            let axis = self.pipeline.axes.iter().position(|axis| axis.table == *table).unwrap_or(0);
-            self.order[axis].iter().position(|name| name == value).unwrap_or(usize::MAX)
+            let axis = self
+                .pipeline
+                .axes
+                .iter()
+                .position(|axis| axis.table == *table)
+                .unwrap_or(0);
+            self.order[axis]
+                .iter()
+                .position(|name| name == value)
+                .unwrap_or(usize::MAX)
         };
         (place, case.values().iter().map(rank).collect())
     }
@@ -167,10 +205,13 @@ impl<'a> Builder<'a> {
         let node = self.pipeline.contents[place];
         let mut cases = vec![Case::default()];
         for axis in self.axes[place].clone() {
-            let values = self.pipeline.values(self.params, node, axis)?;
-            cases = cases.iter().flat_map(|case| values.iter().map(|value| case.with(axis, value))).collect();
+            let values = Pipeline::values(self.params, node, axis)?;
+            cases = cases
+                .iter()
+                .flat_map(|case| values.iter().map(|value| case.with(axis, value)))
+                .collect();
         }
-        cases.into_iter().map(|case| self.want(place, case)).collect()
+        cases.iter().map(|case| self.want(place, case)).collect()
     }
 
     fn want_target(&mut self, place: usize, target: &Target) -> Result<Vec<Slot>> {
@@ -181,12 +222,15 @@ impl<'a> Builder<'a> {
         for (i, axis) in self.pipeline.axes.iter().enumerate() {
             if self.axes[place].contains(axis) {
                 let names = &self.order[i];
-                cases = cases.iter().flat_map(|case| names.iter().map(|value| case.with(*axis, value))).collect();
+                cases = cases
+                    .iter()
+                    .flat_map(|case| names.iter().map(|value| case.with(*axis, value)))
+                    .collect();
             }
         }
         let names: Vec<String> = cases.iter().map(ToString::to_string).collect();
         match cases.into_iter().find(|case| case.to_string() == *wanted) {
-            Some(case) => Ok(vec![self.want(place, case)?]),
+            Some(case) => Ok(vec![self.want(place, &case)?]),
             None => Err(Error::Usage(format!(
                 "target `{}/{wanted}`: expected a case of {} ({}), found none of them{}",
                 target.stage,
@@ -197,12 +241,12 @@ impl<'a> Builder<'a> {
         }
     }
 
-    fn want(&mut self, place: usize, case: Case) -> Result<Slot> {
-        let slot = self.slot(place, &case);
+    fn want(&mut self, place: usize, case: &Case) -> Result<Slot> {
+        let slot = self.slot(place, case);
         if self.wanted.insert(slot.clone(), case.clone()).is_none() {
-            for upstream in self.upstream_cases(place, &case)? {
+            for upstream in self.upstream_cases(place, case)? {
                 for (upstream_place, case) in upstream {
-                    self.want(upstream_place, case)?;
+                    self.want(upstream_place, &case)?;
                 }
             }
         }
@@ -215,13 +259,24 @@ impl<'a> Builder<'a> {
         node.arrows()
             .into_iter()
             .map(|(kind, upstream)| {
-                let up = self.pipeline.place(upstream.name()).filter(|up| *up < place).ok_or_else(|| {
-                    Error::Usage(format!("{} reads {}, which CONTENTS does not list before it", node.name(), upstream.name()))
-                })?;
+                let up = self
+                    .pipeline
+                    .place(upstream.name())
+                    .filter(|up| *up < place)
+                    .ok_or_else(|| {
+                        Error::Usage(format!(
+                            "{} reads {}, which CONTENTS does not list before it",
+                            node.name(),
+                            upstream.name()
+                        ))
+                    })?;
                 let mut cases = vec![Case::default()];
                 for axis in &self.axes[up] {
                     let values = self.values_for(node, kind, upstream, case, *axis)?;
-                    cases = cases.iter().flat_map(|c| values.iter().map(|value| c.with(*axis, value))).collect();
+                    cases = cases
+                        .iter()
+                        .flat_map(|c| values.iter().map(|value| c.with(*axis, value)))
+                        .collect();
                 }
                 Ok(cases.into_iter().map(|case| (up, case)).collect())
             })
@@ -237,17 +292,26 @@ impl<'a> Builder<'a> {
         axis: Axis,
     ) -> Result<Vec<String>> {
         if kind == Kind::Cases && node.gathers().contains(&axis) {
-            return self.pipeline.values(self.params, upstream, axis);
+            return Pipeline::values(self.params, upstream, axis);
         }
         let value = case.value(axis).ok_or_else(|| {
-            Error::Usage(format!("{} reads {}, but has no axis `{}` to choose by", node.name(), upstream.name(), axis.table))
+            Error::Usage(format!(
+                "{} reads {}, but has no axis `{}` to choose by",
+                node.name(),
+                upstream.name(),
+                axis.table
+            ))
         })?;
         for select in upstream.selects() {
             if let Select::Rows(selected, path) = select {
                 let rows = self.params.get(path).and_then(toml::Value::as_array);
                 let named = |row: &toml::Value| row.get(axis.table).and_then(toml::Value::as_str) == Some(value);
                 if *selected == axis && !rows.is_some_and(|rows| rows.iter().any(named)) {
-                    let message = format!("expected a row with {} = \"{value}\", which {} reads, found none", axis.table, node.name());
+                    let message = format!(
+                        "expected a row with {} = \"{value}\", which {} reads, found none",
+                        axis.table,
+                        node.name()
+                    );
                     return Err(self.params.refuse(path, &message));
                 }
             }
@@ -287,14 +351,19 @@ impl<'a> Builder<'a> {
     fn pieces(&self, node: &dyn Node, links: &[Link], nodes: &[NodeCase]) -> Result<Vec<(u64, u64)>> {
         let one = |link: &Link| link.kind == Kind::One && nodes[link.upstream[0]].pieces.len() != 1;
         if links.iter().any(one) {
-            return Err(Error::Usage(format!("{} reads `One` of a stage in pieces", node.name())));
+            return Err(Error::Usage(format!(
+                "{} reads `One` of a stage in pieces",
+                node.name()
+            )));
         }
         Ok(match node.pieces() {
             Pieces::One => vec![(0, 1)],
             Pieces::Counted(key) => (0..self.params.count(key)?).map(|item| (item, 1)).collect(),
             Pieces::Batches(key, size) => {
                 let count = self.params.count(key)?;
-                (0..count.div_ceil(size)).map(|i| (i * size, size.min(count - i * size))).collect()
+                (0..count.div_ceil(size))
+                    .map(|i| (i * size, size.min(count - i * size)))
+                    .collect()
             }
             Pieces::AsUpstream => {
                 let each = links.iter().find(|link| link.kind == Kind::Each);

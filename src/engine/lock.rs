@@ -46,7 +46,10 @@ impl Lock {
         let content = |node: usize| run.content(node);
         let mut lines = Vec::new();
         for (i, node) in run.graph.nodes.iter().enumerate() {
-            let gone = || Error::Damaged { what: format!("the record of {}", node.name()), why: "it is missing".into() };
+            let gone = || Error::Damaged {
+                what: format!("the record of {}", node.name()),
+                why: "it is missing".into(),
+            };
             let mut bytes = 0;
             for piece in 0..node.pieces.len() {
                 let record = run.key(i, piece).and_then(|key| run.store.record(&key));
@@ -63,9 +66,20 @@ impl Lock {
         for (path, text) in texts {
             let content = Id(*blake3::hash(text.as_bytes()).as_bytes());
             let bytes = text.len() as u64;
-            lines.push(Line { name: format!("file {path}"), pieces: None, recipe: None, content, bytes });
+            lines.push(Line {
+                name: format!("file {path}"),
+                pieces: None,
+                recipe: None,
+                content,
+                bytes,
+            });
         }
-        Ok(Self { profile: profile.to_owned(), seed: run.graph.seed, made_with: made_with.to_owned(), lines })
+        Ok(Self {
+            profile: profile.to_owned(),
+            seed: run.graph.seed,
+            made_with: made_with.to_owned(),
+            lines,
+        })
     }
 
     /// The text that is committed.
@@ -74,11 +88,19 @@ impl Lock {
             "encounter-lock 1  profile {}  seed {}  keys {KEY_SCHEMA}  made-with {}\n",
             self.profile, self.seed, self.made_with
         );
-        let _ = writeln!(text, "# {:<38} {:>6} {:<64} {:<64} bytes", "node", "pieces", "recipe", "content");
+        let _ = writeln!(
+            text,
+            "# {:<38} {:>6} {:<64} {:<64} bytes",
+            "node", "pieces", "recipe", "content"
+        );
         for line in &self.lines {
             let pieces = line.pieces.map_or("-".to_owned(), |pieces| pieces.to_string());
             let recipe = line.recipe.map_or("-".to_owned(), |recipe| recipe.to_string());
-            let _ = writeln!(text, "{:<40} {pieces:>6} {recipe:<64} {} {}", line.name, line.content, line.bytes);
+            let _ = writeln!(
+                text,
+                "{:<40} {pieces:>6} {recipe:<64} {} {}",
+                line.name, line.content, line.bytes
+            );
         }
         text
     }
@@ -95,9 +117,23 @@ impl Lock {
         let mut rows = text.lines().enumerate();
         let head = rows.next().map_or("", |(_, head)| head);
         let words: Vec<&str> = head.split_whitespace().collect();
-        let [magic, version, "profile", profile, "seed", seed, "keys", _, "made-with", made_with @ ..] = words.as_slice()
+        let [
+            magic,
+            version,
+            "profile",
+            profile,
+            "seed",
+            seed,
+            "keys",
+            _,
+            "made-with",
+            made_with @ ..,
+        ] = words.as_slice()
         else {
-            return Err(refuse(1, "expected `encounter-lock 1  profile ..  seed ..  keys ..  made-with ..`"));
+            return Err(refuse(
+                1,
+                "expected `encounter-lock 1  profile ..  seed ..  keys ..  made-with ..`",
+            ));
         };
         if (*magic, *version) != ("encounter-lock", "1") {
             return Err(refuse(1, "expected encounter-lock 1"));
@@ -105,14 +141,24 @@ impl Lock {
         let seed = seed.parse().map_err(|_| refuse(1, "expected a seed"))?;
         let mut lines = Vec::new();
         for (number, row) in rows.filter(|(_, row)| !row.starts_with('#') && !row.trim().is_empty()) {
-            lines.push(parse_line(row).ok_or_else(|| refuse(number + 1, "expected name, pieces, recipe, content, bytes"))?);
+            lines.push(
+                parse_line(row).ok_or_else(|| refuse(number + 1, "expected name, pieces, recipe, content, bytes"))?,
+            );
         }
-        Ok(Self { profile: (*profile).to_owned(), seed, made_with: made_with.join(" "), lines })
+        Ok(Self {
+            profile: (*profile).to_owned(),
+            seed,
+            made_with: made_with.join(" "),
+            lines,
+        })
     }
 
     /// The content of each node by name.
     pub fn contents(&self) -> BTreeMap<&str, Id> {
-        self.lines.iter().map(|line| (line.name.as_str(), line.content)).collect()
+        self.lines
+            .iter()
+            .map(|line| (line.name.as_str(), line.content))
+            .collect()
     }
 }
 

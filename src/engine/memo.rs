@@ -28,7 +28,10 @@ struct Entry {
 
 impl Memo {
     pub(crate) fn new(limit: usize) -> Self {
-        Self { limit, state: Mutex::default() }
+        Self {
+            limit,
+            state: Mutex::default(),
+        }
     }
 
     pub(crate) fn value(&self, id: &Id) -> Option<Value> {
@@ -42,12 +45,30 @@ impl Memo {
     /// Keeps the encoded form.
     pub(crate) fn put_bytes(&self, id: Id, bytes: Arc<[u8]>) {
         let size = bytes.len();
-        self.state().put(id, Entry { bytes: Some(bytes), value: None, size, used: 0 }, self.limit);
+        self.state().put(
+            id,
+            Entry {
+                bytes: Some(bytes),
+                value: None,
+                size,
+                used: 0,
+            },
+            self.limit,
+        );
     }
 
     /// Keeps the decoded form in place of the encoded one; `size` is the encoded length.
     pub(crate) fn put_value(&self, id: Id, value: Value, size: usize) {
-        self.state().put(id, Entry { bytes: None, value: Some(value), size, used: 0 }, self.limit);
+        self.state().put(
+            id,
+            Entry {
+                bytes: None,
+                value: Some(value),
+                size,
+                used: 0,
+            },
+            self.limit,
+        );
     }
 
     fn state(&self) -> MutexGuard<'_, State> {
@@ -71,8 +92,14 @@ impl State {
             self.held -= old.size;
         }
         while self.held > limit && self.entries.len() > 1 {
-            let oldest = self.entries.iter().min_by_key(|(_, entry)| entry.used).map(|(id, _)| *id);
-            let Some(gone) = oldest.and_then(|id| self.entries.remove(&id)) else { return };
+            let oldest = self
+                .entries
+                .iter()
+                .min_by_key(|(_, entry)| entry.used)
+                .map(|(id, _)| *id);
+            let Some(gone) = oldest.and_then(|id| self.entries.remove(&id)) else {
+                return;
+            };
             self.held -= gone.size;
         }
     }

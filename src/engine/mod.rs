@@ -1,4 +1,37 @@
 //! THE CACHE: knows no wave and no ship.
+//!
+//! A piece of work runs when, and only when, something it depends on has changed. What it depends on is hashed into a
+//! [`key`](crate::engine::key); a [`record`](crate::engine::record) says which output that key gave; the output is an
+//! object named by the hash of its own bytes, verified each time it is read.
+//!
+//! | in the key | as |
+//! |---|---|
+//! | key schema | u32, changed only by saying so |
+//! | stage name, first item and number of items of the piece | with the root seed they name all random streams |
+//! | root seed | u64 |
+//! | code | tokens of the stage's files and of those they use, versions of the crates they name |
+//! | parameters | the tables the stage decodes, encoded again: 1.0 = 1.00, order and comments do not count |
+//! | inputs | content ids, arrow by arrow; case names where several cases meet |
+//!
+//! | not in the key | because |
+//! |---|---|
+//! | case name, counts, other pieces | cases share what is equal; 100 -> 200 realisations runs 100 |
+//! | times, paths, host, environment, threads | they must not change bits; `verify --rebuild` varies threads |
+//! | compiler, CPU level | same bits; recorded |
+//!
+//! Inputs enter by content, so an upstream rerun that gives equal bytes changes no key below it, and an edit taken back
+//! finds its old records.
+//!
+//! On disk: `objects/` (header and payload, named by id), `records/` (key -> id), `tmp/` (being written), `quarantine/`
+//! (damaged objects), `PROFILE.lock` (the committed contents). Publication: object, then record, each by a temporary file
+//! and a rename, synchronised before the record counts. An object without a record is garbage, never a lie; a record whose
+//! object is gone or damaged is a miss: made again, and required to have its recorded id.
+//!
+//! Outputs marked [`Keep::Evict`](crate::engine::stage::Keep) are hashed and recorded but not written; when a reader needs
+//! one and it has left memory, it is made again and checked.
+//!
+//! Order of reading: `stage`, `arrow`, `node`; `case`, `params`, `pipeline`, `graph`; `key`, `code`, `run`, `schedule`;
+//! `store`, `object`, `record`; `lock`, `verify`, `publish`.
 
 pub mod arrow;
 pub mod case;

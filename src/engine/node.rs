@@ -100,15 +100,26 @@ impl<S: Stage> Node for Of<S> {
         let (value, ignored) = decode_view::<S::Params>(view)?;
         S::check(&value).map_err(|text| {
             let (path, message) = text.split_once(": ").unwrap_or(("", &text));
-            Fault { path: path.to_owned(), message: message.to_owned() }
+            Fault {
+                path: path.to_owned(),
+                message: message.to_owned(),
+            }
         })?;
-        let bytes =
-            codec::encode(&value).map_err(|error| Fault { path: String::new(), message: error.to_string() })?;
-        Ok(Decoded { value: Box::new(value), bytes, ignored })
+        let bytes = codec::encode(&value).map_err(|error| Fault {
+            path: String::new(),
+            message: error.to_string(),
+        })?;
+        Ok(Decoded {
+            value: Box::new(value),
+            bytes,
+            ignored,
+        })
     }
 
     fn run(&self, params: &(dyn Any + Send + Sync), reader: &Reader<'_>, here: Here<'_>) -> Result<Vec<u8>> {
-        let params = params.downcast_ref::<S::Params>().expect("a node is handed its own parameters");
+        let params = params
+            .downcast_ref::<S::Params>()
+            .expect("a node is handed its own parameters");
         let output = S::run(params, S::Inputs::open(reader)?, here)?;
         codec::encode(&output)
     }
@@ -120,7 +131,10 @@ impl<S: Stage> Node for Of<S> {
     fn published(&self, bytes: &[u8]) -> Result<BTreeMap<String, String>> {
         let output = codec::decode::<S::Output>(bytes)?;
         let output: Box<dyn Any> = Box::new(output);
-        Ok(output.downcast::<Published>().map(|published| published.files).unwrap_or_default())
+        Ok(output
+            .downcast::<Published>()
+            .map(|published| published.files)
+            .unwrap_or_default())
     }
 
     fn json(&self, bytes: &[u8]) -> Result<serde_json::Value> {
@@ -132,7 +146,9 @@ impl<S: Stage> Node for Of<S> {
     }
 
     fn params_json(&self, params: &(dyn Any + Send + Sync)) -> serde_json::Value {
-        let params = params.downcast_ref::<S::Params>().expect("a node is handed its own parameters");
+        let params = params
+            .downcast_ref::<S::Params>()
+            .expect("a node is handed its own parameters");
         serde_json::to_value(params).unwrap_or_default()
     }
 }
@@ -148,7 +164,10 @@ fn decode_view<P: DeserializeOwned>(view: toml::Table) -> std::result::Result<(P
         Ok(value) => Ok((value, ignored)),
         Err(error) => {
             let error: toml::de::Error = error;
-            Err(Fault { path: track.path().to_string(), message: error.message().to_owned() })
+            Err(Fault {
+                path: track.path().to_string(),
+                message: error.message().to_owned(),
+            })
         }
     }
 }

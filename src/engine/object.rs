@@ -48,7 +48,11 @@ pub(crate) fn open(id: &Id, schema: Option<u64>, file: &[u8]) -> Result<Vec<u8>,
         return Err("an artifact of another type".to_owned());
     }
     if number(24) != payload.len() as u64 || payload.len() > LIMIT {
-        return Err(format!("{} bytes of payload, the header says {}", payload.len(), number(24)));
+        return Err(format!(
+            "{} bytes of payload, the header says {}",
+            payload.len(),
+            number(24)
+        ));
     }
     if header[32..] != id.0 || Id::of(codec, found_schema, payload) != *id {
         return Err("the bytes do not hash to the name".to_owned());

@@ -30,7 +30,9 @@ impl ParamsFile {
         for file in files {
             let name = file.display().to_string();
             let text = std::fs::read_to_string(file).map_err(|why| {
-                Error::Usage(format!("{name}: expected a readable parameter file in TOML, found: {why}"))
+                Error::Usage(format!(
+                    "{name}: expected a readable parameter file in TOML, found: {why}"
+                ))
             })?;
             params.layer(&name, &text)?;
         }
@@ -74,7 +76,9 @@ impl ParamsFile {
             return Err(usage(&format!("`{path}`")));
         }
         let text = text.trim();
-        let bare = is_name(text) && !text.starts_with(|c: char| c.is_ascii_digit()) && !matches!(text, "true" | "false" | "nan" | "inf");
+        let bare = is_name(text)
+            && !text.starts_with(|c: char| c.is_ascii_digit())
+            && !matches!(text, "true" | "false" | "nan" | "inf");
         let value = if bare {
             Value::String(text.to_owned())
         } else {
@@ -128,7 +132,12 @@ impl ParamsFile {
         found
             .and_then(Value::as_integer)
             .and_then(|seed| u64::try_from(seed).ok())
-            .ok_or_else(|| self.refuse("run.seed", &format!("expected a whole number >= 0, found {}", shown(found))))
+            .ok_or_else(|| {
+                self.refuse(
+                    "run.seed",
+                    &format!("expected a whole number >= 0, found {}", shown(found)),
+                )
+            })
     }
 
     /// A count that the engine owns.
@@ -154,7 +163,11 @@ impl ParamsFile {
     pub fn list(&self, axis: Axis) -> Result<Vec<String>> {
         let path = format!("run.{}", axis.list);
         let tables = self.tables(axis)?;
-        let expected = format!("expected a list of names of [{}.*] tables ({})", axis.table, tables.join(", "));
+        let expected = format!(
+            "expected a list of names of [{}.*] tables ({})",
+            axis.table,
+            tables.join(", ")
+        );
         let found = self.get(&path);
         let refuse = |what: String| self.refuse(&path, &format!("{expected}, found {what}"));
         let entries = found.and_then(Value::as_array).ok_or_else(|| refuse(shown(found)))?;
@@ -183,12 +196,18 @@ impl ParamsFile {
     pub fn tables(&self, axis: Axis) -> Result<Vec<String>> {
         let found = self.get(axis.table);
         let table = found.and_then(Value::as_table).ok_or_else(|| {
-            self.refuse(axis.table, &format!("expected tables [{}.NAME], found {}", axis.table, shown(found)))
+            self.refuse(
+                axis.table,
+                &format!("expected tables [{}.NAME], found {}", axis.table, shown(found)),
+            )
         })?;
         for name in table.keys() {
             let path = format!("{}.{name}", axis.table);
             if !is_name(name) {
-                return Err(self.refuse(&path, "expected a name of letters, digits and `_`, since it becomes a folder"));
+                return Err(self.refuse(
+                    &path,
+                    "expected a name of letters, digits and `_`, since it becomes a folder",
+                ));
             }
         }
         Ok(table.keys().cloned().collect())
@@ -215,18 +234,29 @@ impl ParamsFile {
             }
         }
         if tables.contains(&"case") {
-            let values = case.values().iter().map(|(table, value)| ((*table).to_owned(), Value::String(value.clone())));
+            let values = case
+                .values()
+                .iter()
+                .map(|(table, value)| ((*table).to_owned(), Value::String(value.clone())));
             view.insert("case".to_owned(), Value::Table(values.collect()));
         }
         for count in counts {
-            if let Some(table) = count.split_once('.').and_then(|(table, key)| Some((view.get_mut(table)?, key))) {
+            if let Some(table) = count
+                .split_once('.')
+                .and_then(|(table, key)| Some((view.get_mut(table)?, key)))
+            {
                 let (Value::Table(table), key) = table else { continue };
                 table.remove(key);
             }
         }
         for (axis, path) in rows {
-            let Some((table, key)) = path.split_once('.') else { continue };
-            let entry = view.get_mut(table).and_then(Value::as_table_mut).and_then(|table| table.get_mut(key));
+            let Some((table, key)) = path.split_once('.') else {
+                continue;
+            };
+            let entry = view
+                .get_mut(table)
+                .and_then(Value::as_table_mut)
+                .and_then(|table| table.get_mut(key));
             if let Some(Value::Array(entries)) = entry {
                 let wanted = case.value(*axis);
                 entries.retain(|row| row.get(axis.table).and_then(Value::as_str) == wanted);
@@ -237,10 +267,21 @@ impl ParamsFile {
 
     /// Turns a fault in a view into an error about the file.
     pub fn fault(&self, fault: &Fault, axes: &[Axis], case: &Case) -> Error {
-        let missing = fault.message.strip_prefix("missing field `").and_then(|rest| rest.split('`').next());
-        let mut path = if fault.path == "." { String::new() } else { fault.path.clone() };
+        let missing = fault
+            .message
+            .strip_prefix("missing field `")
+            .and_then(|rest| rest.split('`').next());
+        let mut path = if fault.path == "." {
+            String::new()
+        } else {
+            fault.path.clone()
+        };
         if let Some(key) = missing {
-            path = if path.is_empty() { key.to_owned() } else { format!("{path}.{key}") };
+            path = if path.is_empty() {
+                key.to_owned()
+            } else {
+                format!("{path}.{key}")
+            };
         }
         let path = real_path(&path, axes, case);
         match missing {
@@ -252,8 +293,13 @@ impl ParamsFile {
 
 /// The path in the file of a path in a view: `sea.bandwidth` is `sea.S2.bandwidth`.
 pub(crate) fn real_path(path: &str, axes: &[Axis], case: &Case) -> String {
-    let (table, rest) = path.split_once('.').map_or((path, None), |(table, rest)| (table, Some(rest)));
-    let value = axes.iter().find(|axis| axis.table == table).and_then(|axis| case.value(*axis));
+    let (table, rest) = path
+        .split_once('.')
+        .map_or((path, None), |(table, rest)| (table, Some(rest)));
+    let value = axes
+        .iter()
+        .find(|axis| axis.table == table)
+        .and_then(|axis| case.value(*axis));
     match (value, rest) {
         (Some(value), Some(rest)) => format!("{table}.{value}.{rest}"),
         (Some(value), None) => format!("{table}.{value}"),
@@ -264,7 +310,9 @@ pub(crate) fn real_path(path: &str, axes: &[Axis], case: &Case) -> String {
 /// `; nearest: x` for the candidate nearest to a word, or nothing.
 pub(crate) fn nearest<'a>(word: &str, candidates: impl Iterator<Item = &'a str>) -> String {
     let scored = candidates.map(|candidate| (strsim::damerau_levenshtein(word, candidate), candidate));
-    scored.min().map_or(String::new(), |(_, candidate)| format!("; nearest: `{candidate}`"))
+    scored
+        .min()
+        .map_or(String::new(), |(_, candidate)| format!("; nearest: `{candidate}`"))
 }
 
 /// A value as the reader wrote it, for an error.
@@ -278,7 +326,12 @@ pub(crate) fn shown(value: Option<&Value>) -> String {
 
 /// Serde's message in the order expected, found.
 fn plain(message: &str) -> String {
-    for prefix in ["invalid type: ", "invalid value: ", "unknown variant ", "invalid length "] {
+    for prefix in [
+        "invalid type: ",
+        "invalid value: ",
+        "unknown variant ",
+        "invalid length ",
+    ] {
         let rest = message.strip_prefix(prefix);
         if let Some((found, expected)) = rest.and_then(|rest| rest.split_once(", expected ")) {
             let expected = match expected {
@@ -297,7 +350,8 @@ fn is_name(text: &str) -> bool {
 }
 
 fn line_of(text: &str, offset: usize) -> usize {
-    text.as_bytes()[..offset.min(text.len())].iter().filter(|byte| **byte == b'\n').count() + 1
+    let before = text.get(..offset).unwrap_or(text);
+    before.matches('\n').count() + 1
 }
 
 fn merge(base: &mut Table, over: Table) {
@@ -318,7 +372,11 @@ fn note_origins(
     place: &dyn Fn(usize) -> String,
 ) {
     for (key, value) in table {
-        let path = if prefix.is_empty() { key.get_ref().to_string() } else { format!("{prefix}.{}", key.get_ref()) };
+        let path = if prefix.is_empty() {
+            key.get_ref().to_string()
+        } else {
+            format!("{prefix}.{}", key.get_ref())
+        };
         origins.insert(path.clone(), place(Spanned::span(key).start));
         if let DeValue::Table(inner) = value.get_ref() {
             note_origins(origins, &path, inner, place);
@@ -328,7 +386,11 @@ fn note_origins(
 
 fn collect_leaves(table: &Table, prefix: &str, paths: &mut Vec<String>) {
     for (key, value) in table {
-        let path = if prefix.is_empty() { key.clone() } else { format!("{prefix}.{key}") };
+        let path = if prefix.is_empty() {
+            key.clone()
+        } else {
+            format!("{prefix}.{key}")
+        };
         match value {
             Value::Table(inner) => collect_leaves(inner, &path, paths),
             _ => paths.push(path),

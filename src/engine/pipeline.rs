@@ -35,8 +35,12 @@ impl Pipeline {
                 let upstream = node.arrows().into_iter().filter_map(|(_, up)| of.get(up.name()));
                 upstream.flatten().any(|other| other == axis) && !node.gathers().contains(axis)
             };
-            let axes: Vec<Axis> =
-                self.axes.iter().copied().filter(|axis| read(axis) || inherited(axis)).collect();
+            let axes: Vec<Axis> = self
+                .axes
+                .iter()
+                .copied()
+                .filter(|axis| read(axis) || inherited(axis))
+                .collect();
             of.insert(node.name(), axes.clone());
             all.push(axes);
         }
@@ -53,13 +57,17 @@ impl Pipeline {
     }
 
     /// The values of an axis for one node, in order.
-    pub(crate) fn values(&self, params: &ParamsFile, node: &dyn Node, axis: Axis) -> Result<Vec<String>> {
+    pub(crate) fn values(params: &ParamsFile, node: &dyn Node, axis: Axis) -> Result<Vec<String>> {
         for select in node.selects() {
             match *select {
                 Select::At(selected, path) if selected == axis => return Ok(vec![pinned(params, axis, path)?]),
                 Select::Rows(selected, path) if selected == axis => {
                     let named = row_names(params, axis, path)?;
-                    return Ok(params.list(axis)?.into_iter().filter(|name| named.contains(name)).collect());
+                    return Ok(params
+                        .list(axis)?
+                        .into_iter()
+                        .filter(|name| named.contains(name))
+                        .collect());
                 }
                 _ => {}
             }
@@ -78,7 +86,8 @@ impl Pipeline {
             })
             .collect();
         let view = params.view(node.tables(), self.axes, case, &self.counts(), &rows);
-        node.decode_params(view).map_err(|fault| params.fault(&fault, self.axes, case))
+        node.decode_params(view)
+            .map_err(|fault| params.fault(&fault, self.axes, case))
     }
 
     /// Checks every table and key, also those that this run will not use.
@@ -111,11 +120,17 @@ impl Pipeline {
             }
             for case in self.covering_cases(axes, &tables) {
                 let decoded = self.decode(params, *node, &case)?;
-                let read: Vec<String> =
-                    node.tables().iter().map(|table| real_path(table, self.axes, &case)).collect();
-                let ignored: Vec<String> =
-                    decoded.ignored.iter().map(|path| real_path(path, self.axes, &case)).collect();
-                unread.retain(|leaf| !(is_under(leaf, &read) && !is_under(leaf, &ignored)));
+                let read: Vec<String> = node
+                    .tables()
+                    .iter()
+                    .map(|table| real_path(table, self.axes, &case))
+                    .collect();
+                let ignored: Vec<String> = decoded
+                    .ignored
+                    .iter()
+                    .map(|path| real_path(path, self.axes, &case))
+                    .collect();
+                unread.retain(|leaf| !is_under(leaf, &read) || is_under(leaf, &ignored));
             }
         }
         match unread.first() {
@@ -142,14 +157,21 @@ impl Pipeline {
 
     fn unknown(&self, params: &ParamsFile, path: &str) -> Error {
         let table = path.rsplit_once('.').map_or("", |(table, _)| table);
-        let axis = self.axes.iter().find(|axis| table.split('.').next() == Some(axis.table));
+        let axis = self
+            .axes
+            .iter()
+            .find(|axis| table.split('.').next() == Some(axis.table));
         let mut known: BTreeSet<String> = params.leaves().into_iter().filter(|leaf| leaf != path).collect();
         if let Some(axis) = axis {
             // Keys of one [sea.*] are keys of all of them.
             let prefix = format!("{}.", axis.table);
             let keys: Vec<String> = known
                 .iter()
-                .filter_map(|leaf| leaf.strip_prefix(&prefix)?.split_once('.').map(|(_, key)| format!("{table}.{key}")))
+                .filter_map(|leaf| {
+                    leaf.strip_prefix(&prefix)?
+                        .split_once('.')
+                        .map(|(_, key)| format!("{table}.{key}"))
+                })
                 .collect();
             known.extend(keys);
         }
@@ -159,23 +181,26 @@ impl Pipeline {
 }
 
 fn is_under(path: &str, prefixes: &[String]) -> bool {
-    prefixes
-        .iter()
-        .any(|prefix| path.strip_prefix(prefix.as_str()).is_some_and(|rest| rest.is_empty() || rest.starts_with('.')))
+    prefixes.iter().any(|prefix| {
+        path.strip_prefix(prefix.as_str())
+            .is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
+    })
 }
 
 fn pinned(params: &ParamsFile, axis: Axis, path: &str) -> Result<String> {
     let tables = params.tables(axis)?;
     let found = params.get(path);
     let name = found.and_then(toml::Value::as_str);
-    match name.filter(|name| tables.iter().any(|table| table == name)) {
-        Some(name) => Ok(name.to_owned()),
-        None => {
-            let hint = name.map_or(String::new(), |name| nearest(name, tables.iter().map(String::as_str)));
-            let expected = format!("expected the name of a [{}.*] table ({})", axis.table, tables.join(", "));
-            Err(params.refuse(path, &format!("{expected}, found {}{hint}", shown(found))))
-        }
+    if let Some(name) = name.filter(|name| tables.iter().any(|table| table == name)) {
+        return Ok(name.to_owned());
     }
+    let hint = name.map_or(String::new(), |name| nearest(name, tables.iter().map(String::as_str)));
+    let expected = format!(
+        "expected the name of a [{}.*] table ({})",
+        axis.table,
+        tables.join(", ")
+    );
+    Err(params.refuse(path, &format!("{expected}, found {}{hint}", shown(found))))
 }
 
 fn row_names(params: &ParamsFile, axis: Axis, path: &str) -> Result<Vec<String>> {
@@ -186,10 +211,15 @@ fn row_names(params: &ParamsFile, axis: Axis, path: &str) -> Result<Vec<String>>
     for (i, row) in rows.iter().enumerate() {
         let found = row.get(axis.table);
         let refuse = |what: String| {
-            let expected = format!("row {i}: expected {} = the name of a [{}.*] table", axis.table, axis.table);
+            let expected = format!(
+                "row {i}: expected {} = the name of a [{}.*] table",
+                axis.table, axis.table
+            );
             params.refuse(path, &format!("{expected} ({}), found {what}", tables.join(", ")))
         };
-        let name = found.and_then(toml::Value::as_str).ok_or_else(|| refuse(shown(found)))?;
+        let name = found
+            .and_then(toml::Value::as_str)
+            .ok_or_else(|| refuse(shown(found)))?;
         if !tables.iter().any(|table| table == name) {
             return Err(refuse(format!("\"{name}\"")));
         }

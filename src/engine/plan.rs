@@ -29,7 +29,12 @@ pub struct NodePlan {
 pub fn plan(graph: &Graph, store: &Store) -> Vec<NodePlan> {
     let silent = |_: &_| {};
     let run = Run::new(graph, store, &silent);
-    graph.nodes.iter().enumerate().map(|(node, _)| plan_node(&run, node)).collect()
+    graph
+        .nodes
+        .iter()
+        .enumerate()
+        .map(|(node, _)| plan_node(&run, node))
+        .collect()
 }
 
 fn plan_node(run: &Run<'_>, node: usize) -> NodePlan {
@@ -56,9 +61,9 @@ fn plan_node(run: &Run<'_>, node: usize) -> NodePlan {
         }
     }
     if plan.will_run > 0 {
-        plan.reason = "nothing in the store was made from these parameters, inputs and code".to_owned();
+        "nothing in the store was made from these parameters, inputs and code".clone_into(&mut plan.reason);
     } else if plan.may_run > 0 {
-        plan.reason = "an input will run".to_owned();
+        "an input will run".clone_into(&mut plan.reason);
     }
     plan
 }

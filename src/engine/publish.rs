@@ -56,7 +56,11 @@ pub fn publish(run: &Run<'_>, texts: &BTreeMap<String, String>, folder: &Path) -
             write(&path, text)?;
         }
         let id = blake3::hash(text.as_bytes()).to_hex().to_string();
-        run.tell(&Event::DidPublish { path: name.clone(), id, written: !same });
+        run.tell(&Event::DidPublish {
+            path: name.clone(),
+            id,
+            written: !same,
+        });
     }
     Ok(())
 }

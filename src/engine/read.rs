@@ -42,6 +42,8 @@ impl<'a> Reader<'a> {
     /// An upstream output, decoded.
     pub(crate) fn value<T: Send + Sync + 'static>(&self, upstream: usize, piece: usize) -> Result<Arc<T>> {
         let value = self.run.value(upstream, piece)?;
-        value.downcast().map_err(|_| Error::stage("an input of another type than its arrow says"))
+        value
+            .downcast()
+            .map_err(|_| Error::stage("an input of another type than its arrow says"))
     }
 }

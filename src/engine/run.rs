@@ -47,9 +47,20 @@ pub(crate) enum Decision {
 impl<'g> Run<'g> {
     /// A walk that knows no id yet.
     pub fn new(graph: &'g Graph, store: &'g Store, listener: &'g Listener<'g>) -> Self {
-        let ids = graph.nodes.iter().map(|node| node.pieces.iter().map(|_| OnceLock::new()).collect()).collect();
+        let ids = graph
+            .nodes
+            .iter()
+            .map(|node| node.pieces.iter().map(|_| OnceLock::new()).collect())
+            .collect();
         let contents = graph.nodes.iter().map(|_| OnceLock::new()).collect();
-        Self { graph, store, listener, ids, contents, memo: Memo::new(MEMO_BYTES) }
+        Self {
+            graph,
+            store,
+            listener,
+            ids,
+            contents,
+            memo: Memo::new(MEMO_BYTES),
+        }
     }
 
     pub(crate) fn tell(&self, event: &Event) {
@@ -68,14 +79,21 @@ impl<'g> Run<'g> {
         }
         let ids: Option<Vec<Id>> = self.ids[node].iter().map(|id| id.get().copied()).collect();
         let ids = ids?;
-        let content = if let [only] = ids.as_slice() { *only } else { Id::of_manifest(&ids) };
+        let content = if let [only] = ids.as_slice() {
+            *only
+        } else {
+            Id::of_manifest(&ids)
+        };
         Some(*self.contents[node].get_or_init(|| content))
     }
 
     /// The key of a piece, if the ids of all its inputs are known.
     pub fn key(&self, node: usize, piece: usize) -> Option<Key> {
-        let inputs: Option<Vec<InputKey>> =
-            self.graph.nodes[node].links.iter().map(|link| self.input_key(link, piece)).collect();
+        let inputs: Option<Vec<InputKey>> = self.graph.nodes[node]
+            .links
+            .iter()
+            .map(|link| self.input_key(link, piece))
+            .collect();
         Some(self.preimage(node, piece, inputs?).key())
     }
 
@@ -99,7 +117,11 @@ impl<'g> Run<'g> {
             Kind::One | Kind::All => self.content(link.upstream[0]).map(InputKey::Content),
             Kind::Cases => {
                 let case = |up: &usize| Some((self.graph.nodes[*up].case.to_string(), self.content(*up)?));
-                link.upstream.iter().map(case).collect::<Option<Vec<_>>>().map(InputKey::Cases)
+                link.upstream
+                    .iter()
+                    .map(case)
+                    .collect::<Option<Vec<_>>>()
+                    .map(InputKey::Cases)
             }
         }
     }
@@ -112,7 +134,11 @@ impl<'g> Run<'g> {
         let Some(key) = self.key(node, piece) else {
             return Decision::MayRun;
         };
-        match self.store.record(&key).and_then(|record| Some((Id::parse(&record.id)?, record.evicted))) {
+        match self
+            .store
+            .record(&key)
+            .and_then(|record| Some((Id::parse(&record.id)?, record.evicted)))
+        {
             Some((id, evicted)) if evicted || self.store.has(&id) => {
                 let _ = self.ids[node][piece].set(id);
                 Decision::Cached
@@ -125,7 +151,10 @@ impl<'g> Run<'g> {
     pub(crate) fn make(&self, node: usize, piece: usize, key: Key) -> Result<()> {
         let it = &self.graph.nodes[node];
         let name = it.name();
-        self.tell(&Event::WillRun { node: name.clone(), piece });
+        self.tell(&Event::WillRun {
+            node: name.clone(),
+            piece,
+        });
         let start = Instant::now();
         let bytes = self.compute(node, piece)?;
         let seconds = start.elapsed().as_secs_f64();
@@ -139,16 +168,27 @@ impl<'g> Run<'g> {
         let length = bytes.len() as u64;
         self.memo.put_bytes(id, Arc::from(bytes));
         let _ = self.ids[node][piece].set(id);
-        self.tell(&Event::DidRun { node: name, piece, seconds, bytes: length });
+        self.tell(&Event::DidRun {
+            node: name,
+            piece,
+            seconds,
+            bytes: length,
+        });
         Ok(())
     }
 
     fn compute(&self, node: usize, piece: usize) -> Result<Vec<u8>> {
         let it = &self.graph.nodes[node];
         let (first, items) = it.pieces[piece];
-        let here = Here { first, items, streams: &it.streams };
+        let here = Here {
+            first,
+            items,
+            streams: &it.streams,
+        };
         let reader = Reader::new(self, node, piece);
-        it.node.run(it.decoded.value.as_ref(), &reader, here).map_err(|error| error.at(&it.piece_name(piece)))
+        it.node
+            .run(it.decoded.value.as_ref(), &reader, here)
+            .map_err(|error| error.at(&it.piece_name(piece)))
     }
 
     fn record(&self, node: usize, piece: usize, key: Key, id: Id, bytes: u64, seconds: f64) -> Record {
@@ -217,7 +257,11 @@ impl<'g> Run<'g> {
         }
         if let Some(why) = why {
             self.store.restore(&id, &file)?;
-            self.tell(&Event::DidHeal { node: it.name(), piece, why });
+            self.tell(&Event::DidHeal {
+                node: it.name(),
+                piece,
+                why,
+            });
         }
         Ok(bytes)
     }
@@ -225,7 +269,11 @@ impl<'g> Run<'g> {
     /// Makes sure that the ids an arrow needs are known, deciding upstream pieces that nobody has asked for yet.
     fn know_inputs(&self, link: &Link, piece: usize) -> Result<()> {
         for up in &link.upstream {
-            let pieces = if link.kind == Kind::Each { piece..piece + 1 } else { 0..self.graph.nodes[*up].pieces.len() };
+            let pieces = if link.kind == Kind::Each {
+                piece..piece + 1
+            } else {
+                0..self.graph.nodes[*up].pieces.len()
+            };
             for piece in pieces {
                 self.know(*up, piece)?;
             }
@@ -262,7 +310,11 @@ impl<'g> Run<'g> {
             .iter()
             .map(|link| {
                 let case = |up: &usize| Some((self.graph.nodes[*up].case.to_string(), content(*up)?));
-                link.upstream.iter().map(case).collect::<Option<Vec<_>>>().map(InputKey::Cases)
+                link.upstream
+                    .iter()
+                    .map(case)
+                    .collect::<Option<Vec<_>>>()
+                    .map(InputKey::Cases)
             })
             .collect();
         let mut preimage = self.preimage(node, 0, inputs?);

@@ -18,7 +18,12 @@ use crate::engine::run::{Decision, Run};
 /// # Errors
 /// A store that cannot be written, a stage that is not reproducible, or the list of the nodes that failed.
 pub fn execute(run: &Run<'_>, workers: usize) -> Result<()> {
-    let nodes = run.graph.nodes.iter().map(|node| (node.name(), node.pieces.len())).collect();
+    let nodes = run
+        .graph
+        .nodes
+        .iter()
+        .map(|node| (node.name(), node.pieces.len()))
+        .collect();
     run.tell(&Event::DidPlan { nodes });
     let queue = Queue::new(run.graph);
     let pool = rayon::ThreadPoolBuilder::new()
@@ -38,14 +43,21 @@ pub fn execute(run: &Run<'_>, workers: usize) -> Result<()> {
 fn step(run: &Run<'_>, node: usize, piece: usize) -> Result<()> {
     match run.decide(node, piece) {
         Decision::Cached => {
-            run.tell(&Event::DidReuse { node: run.graph.nodes[node].name(), piece });
+            run.tell(&Event::DidReuse {
+                node: run.graph.nodes[node].name(),
+                piece,
+            });
             Ok(())
         }
         Decision::WillRun(key) => {
             let made = run.make(node, piece, key);
             if let Err(error) = &made {
                 let node = run.graph.nodes[node].name();
-                run.tell(&Event::DidFail { node, piece, message: error.to_string() });
+                run.tell(&Event::DidFail {
+                    node,
+                    piece,
+                    message: error.to_string(),
+                });
             }
             made
         }
@@ -82,7 +94,11 @@ impl Queue {
             for link in &node.links {
                 for up in &link.upstream {
                     inputs += 1;
-                    if link.kind == Kind::Each { each[*up].push(down) } else { whole[*up].push(down) }
+                    if link.kind == Kind::Each {
+                        each[*up].push(down);
+                    } else {
+                        whole[*up].push(down);
+                    }
                 }
             }
             missing.push(vec![inputs; node.pieces.len()]);
@@ -96,8 +112,20 @@ impl Queue {
             }
         }
         let left = graph.nodes.iter().map(|node| node.pieces.len()).collect();
-        let state = State { heap, running: 0, missing, left, fatal: None, failures: BTreeMap::new() };
-        Self { state: Mutex::new(state), ready: Condvar::new(), each, whole }
+        let state = State {
+            heap,
+            running: 0,
+            missing,
+            left,
+            fatal: None,
+            failures: BTreeMap::new(),
+        };
+        Self {
+            state: Mutex::new(state),
+            ready: Condvar::new(),
+            each,
+            whole,
+        }
     }
 
     fn state(&self) -> MutexGuard<'_, State> {
@@ -159,8 +187,16 @@ impl Queue {
             return Ok(());
         }
         let told: Vec<String> = state.failures.values().map(ToString::to_string).collect();
-        let undone = state.left.iter().zip(&graph.nodes).filter(|(left, _)| **left > 0).count();
-        Err(Error::Failures(format!("{}\n{undone} nodes are not done; the others are kept", told.join("\n"))))
+        let undone = state
+            .left
+            .iter()
+            .zip(&graph.nodes)
+            .filter(|(left, _)| **left > 0)
+            .count();
+        Err(Error::Failures(format!(
+            "{}\n{undone} nodes are not done; the others are kept",
+            told.join("\n")
+        )))
     }
 }
 

@@ -46,11 +46,8 @@ pub trait Stage: 'static {
     ///
     /// # Errors
     /// What keeps the output from being made.
-    fn run(
-        params: &Self::Params,
-        inputs: <Self::Inputs as Inputs>::Values<'_>,
-        here: Here<'_>,
-    ) -> Result<Self::Output>;
+    fn run(params: &Self::Params, inputs: <Self::Inputs as Inputs>::Values<'_>, here: Here<'_>)
+    -> Result<Self::Output>;
 }
 
 /// A value that a stage makes and the store keeps: whatever serde can describe.
@@ -71,7 +68,9 @@ impl Published {
 
     /// Files that share a stem, by extension.
     pub fn new<const N: usize>(stem: &str, files: [(&str, String); N]) -> Self {
-        let named = files.into_iter().map(|(extension, text)| (format!("{stem}.{extension}"), text));
+        let named = files
+            .into_iter()
+            .map(|(extension, text)| (format!("{stem}.{extension}"), text));
         Self { files: named.collect() }
     }
 }

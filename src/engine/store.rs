@@ -54,7 +54,11 @@ impl Store {
             let path = root.join(folder);
             fs::create_dir_all(&path).map_err(Error::io("make the store's folder", path))?;
         }
-        Ok(Self { root: root.to_owned(), pending: Mutex::new(Vec::new()), temporaries: AtomicU64::new(0) })
+        Ok(Self {
+            root: root.to_owned(),
+            pending: Mutex::new(Vec::new()),
+            temporaries: AtomicU64::new(0),
+        })
     }
 
     /// The store's folder.
@@ -167,7 +171,10 @@ impl Store {
     }
 
     fn path(&self, kind: &str, hex: &str, suffix: &str) -> PathBuf {
-        self.root.join(kind).join(&hex[..2]).join(format!("{}{suffix}", &hex[2..]))
+        self.root
+            .join(kind)
+            .join(&hex[..2])
+            .join(format!("{}{suffix}", &hex[2..]))
     }
 }
 

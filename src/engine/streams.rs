@@ -17,7 +17,9 @@ impl Streams {
         let mut hasher = blake3::Hasher::new_derive_key("encounter 1 streams");
         hasher.update(&seed.to_le_bytes());
         hasher.update(stage.as_bytes());
-        Self { key: *hasher.finalize().as_bytes() }
+        Self {
+            key: *hasher.finalize().as_bytes(),
+        }
     }
 
     /// The stream of one item, counted over the whole node.

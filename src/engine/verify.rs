@@ -23,7 +23,9 @@ pub fn against_lock(run: &Run<'_>, graph: &Graph, lock: &Lock, figures: &Path) -
             let pieces = line.pieces.map_or("-".to_owned(), |pieces| pieces.to_string());
             differences.push(format!("{name}: {} pieces, the lock says {pieces}", node.pieces.len()));
         } else if line.recipe != recipe {
-            differences.push(format!("{name}: its code, parameters or inputs are not those of the lock"));
+            differences.push(format!(
+                "{name}: its code, parameters or inputs are not those of the lock"
+            ));
         }
     }
     for line in known {
@@ -61,13 +63,19 @@ pub fn between(committed: &Lock, made: &Lock) -> Vec<String> {
                 let other = rest.remove(place);
                 if other.content != line.content {
                     let name = &line.name;
-                    differences.push(format!("{name}: the lock says {}, made {}", line.content, other.content));
+                    differences.push(format!(
+                        "{name}: the lock says {}, made {}",
+                        line.content, other.content
+                    ));
                 } else if other != line {
                     differences.push(format!("{}: same content, another recipe", line.name));
                 }
             }
         }
     }
-    differences.extend(rest.iter().map(|line| format!("{}: made, but not in the lock", line.name)));
+    differences.extend(
+        rest.iter()
+            .map(|line| format!("{}: made, but not in the lock", line.name)),
+    );
     differences
 }

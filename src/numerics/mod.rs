@@ -1,7 +1,7 @@
 //! Mathematics without a ship in it.
 
-pub mod density;
 pub mod cholesky;
+pub mod density;
 pub mod domain;
 pub mod elementary;
 pub mod fourier;

@@ -25,4 +25,3 @@ pub struct Statistics {
     /// Kernel density on (L/T_p, A/H_s).
     pub density: DensityMap,
 }
-

@@ -9,6 +9,7 @@
 //! Tested in `tests/physics/exceedance.rs` on data made by hand and against seeded sampling.
 
 use crate::numerics::domain;
+use crate::ship::response::Response;
 use serde::{Deserialize, Serialize};
 
 /// The most thresholds a curve may have.
@@ -198,11 +199,26 @@ pub struct Counts {
     pub time_above: f64,
 }
 
+impl Counts {
+    /// Adds one field; the share of time is a mean, taken at the end.
+    pub fn add(&mut self, field: &Response, capsize_angle: f64) {
+        self.fields += 1;
+        self.dropped += u64::from(field.dropped);
+        self.groups += field.r.len() as u64;
+        self.capsizes += u64::from(field.capsizes);
+        self.fields_with_capsize += u64::from(field.capsizes > 0);
+        self.capsized_groups += field.capsized_groups(capsize_angle) as u64;
+    }
+}
+
 impl Probabilities {
     /// (epsilon_1, probability, standard error) of a method at Table 1's threshold, for one value of the ship's list.
     pub fn at_table(&self, method: &str, epsilon_1_index: usize) -> Option<(f64, f64, f64)> {
         let epsilon_1 = self.counts.get(epsilon_1_index)?.epsilon_1;
-        let curve = self.table.iter().find(|curve| curve.method == method && curve.epsilon_1 == epsilon_1)?;
+        let curve = self
+            .table
+            .iter()
+            .find(|curve| curve.method == method && curve.epsilon_1 == epsilon_1)?;
         Some((epsilon_1, *curve.probability.first()?, *curve.standard_error.first()?))
     }
 }

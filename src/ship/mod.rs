@@ -7,7 +7,7 @@ pub mod exceedance;
 mod group_waves;
 pub mod initial_condition;
 pub mod response;
-pub mod sample;
 pub mod roll_equation;
+pub mod sample;
 pub mod segments;
 pub mod simulation;

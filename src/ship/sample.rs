@@ -37,7 +37,8 @@ impl<'a> Selection<'a> {
 
     /// Field and place of each sampled group, in order.
     pub fn sampled(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
-        let of_field = |(field, places): (usize, &'a Vec<u32>)| places.iter().map(move |place| (field, *place as usize));
+        let of_field =
+            |(field, places): (usize, &'a Vec<u32>)| places.iter().map(move |place| (field, *place as usize));
         self.places.iter().enumerate().flat_map(of_field)
     }
 

@@ -42,11 +42,18 @@ impl Stage for Fig1WaveGroups {
     const SELECTS: &'static [Select] = &[Select::At(SEA, "fig1_wave_groups.sea")];
     const SCHEMA: &'static str = Published::SCHEMA;
     type Params = Params;
-    type Inputs = (All<WaveSynthesis>, All<Envelope>, All<GroupDetection>, One<GroupStatistics>);
+    type Inputs = (
+        All<WaveSynthesis>,
+        All<Envelope>,
+        All<GroupDetection>,
+        One<GroupStatistics>,
+    );
     type Output = Published;
 
     fn check(p: &Params) -> std::result::Result<(), String> {
-        p.fig1_wave_groups.check(&p.record).map_err(|why| format!("fig1_wave_groups.{why}"))
+        p.fig1_wave_groups
+            .check(&p.record)
+            .map_err(|why| format!("fig1_wave_groups.{why}"))
     }
 
     fn run(

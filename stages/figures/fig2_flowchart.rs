@@ -32,6 +32,9 @@ impl Stage for Fig2Flowchart {
 
     fn run(p: &Params, (): (), _: Here<'_>) -> Result<Published> {
         let svg = draw(p.nic.groups_ahead).map_err(refused)?;
-        Ok(Published::new(Self::NAME, [("svg", svg), ("csv", csv(p.nic.groups_ahead))]))
+        Ok(Published::new(
+            Self::NAME,
+            [("svg", svg), ("csv", csv(p.nic.groups_ahead))],
+        ))
     }
 }

@@ -49,7 +49,10 @@ impl Stage for Fig3Exceedance {
             let spectrum = probabilities.case.value(SEA).unwrap_or_default();
             rows.push(row(spectrum, &*statistics.get()?, &*probabilities.get()?));
         }
-        let figure = Figure { ship: p.case.ship.clone(), rows };
+        let figure = Figure {
+            ship: p.case.ship.clone(),
+            rows,
+        };
         let svg = draw(&figure).map_err(refused)?;
         Ok(Published::new(Self::NAME, [("svg", svg), ("csv", csv(&[&figure]))]))
     }
@@ -60,12 +63,19 @@ fn row(spectrum: &str, statistics: &Statistics, probabilities: &Probabilities) -
         spectrum: spectrum.to_owned(),
         description: statistics.description.clone(),
         density: density(&statistics.density),
-        cells: probabilities.counts.iter().map(|counts| cell(counts, probabilities)).collect(),
+        cells: probabilities
+            .counts
+            .iter()
+            .map(|counts| cell(counts, probabilities))
+            .collect(),
     }
 }
 
 fn cell(counts: &Counts, probabilities: &Probabilities) -> Cell {
-    let own = probabilities.curves.iter().filter(|curve| curve.epsilon_1 == counts.epsilon_1);
+    let own = probabilities
+        .curves
+        .iter()
+        .filter(|curve| curve.epsilon_1 == counts.epsilon_1);
     let curves = own.filter_map(|curve| {
         Some(Curve {
             method: Method::named(&curve.method)?,
@@ -76,5 +86,9 @@ fn cell(counts: &Counts, probabilities: &Probabilities) -> Cell {
         })
     });
     let share = counts.capsized_groups as f64 / counts.groups.max(1) as f64;
-    Cell { epsilon_1: counts.epsilon_1, curves: curves.collect(), capsize_share: (counts.groups > 0).then_some(share) }
+    Cell {
+        epsilon_1: counts.epsilon_1,
+        curves: curves.collect(),
+        capsize_share: (counts.groups > 0).then_some(share),
+    }
 }

@@ -43,14 +43,25 @@ impl Stage for Fig4ResponseMoments {
         let mut shapes: Vec<Shape> = Vec::new();
         for point in points.iter() {
             let [l_over_tp, a_over_hs] = point.group;
-            let known = shapes.iter().position(|shape| [shape.l_over_tp, shape.a_over_hs] == point.group);
+            let known = shapes
+                .iter()
+                .position(|shape| [shape.l_over_tp, shape.a_over_hs] == point.group);
             let place = known.unwrap_or(shapes.len());
             if known.is_none() {
-                shapes.push(Shape { l_over_tp, a_over_hs, groups: 0, moments: Vec::new() });
+                shapes.push(Shape {
+                    l_over_tp,
+                    a_over_hs,
+                    groups: 0,
+                    moments: Vec::new(),
+                });
             }
             add(&mut shapes[place], point);
         }
-        let figure = Figure { ship: p.case.ship.clone(), spectrum: p.case.sea.clone(), shapes };
+        let figure = Figure {
+            ship: p.case.ship.clone(),
+            spectrum: p.case.sea.clone(),
+            shapes,
+        };
         let svg = draw(&figure).map_err(refused)?;
         Ok(Published::new(Self::NAME, [("svg", svg), ("csv", csv(&figure))]))
     }
@@ -58,14 +69,21 @@ impl Stage for Fig4ResponseMoments {
 
 /// Adds a point to its method's line; an empty bin adds nothing.
 fn add(shape: &mut Shape, point: &Point) {
-    let (Some(method), Some(moments)) = (Method::named(&point.method), point.moments) else { return };
+    let (Some(method), Some(moments)) = (Method::named(&point.method), point.moments) else {
+        return;
+    };
     if method == Method::Truth {
         shape.groups = moments.n;
     }
     let known = shape.moments.iter().position(|line| line.method == method);
     let place = known.unwrap_or(shape.moments.len());
     if known.is_none() {
-        shape.moments.push(Moments { method, epsilon_1: Vec::new(), mean: Vec::new(), std: Vec::new() });
+        shape.moments.push(Moments {
+            method,
+            epsilon_1: Vec::new(),
+            mean: Vec::new(),
+            std: Vec::new(),
+        });
     }
     let line = &mut shape.moments[place];
     line.epsilon_1.push(point.epsilon_1);

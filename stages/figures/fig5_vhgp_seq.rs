@@ -56,13 +56,19 @@ impl Stage for Fig5VhgpSeq {
         _: Here<'_>,
     ) -> Result<Published> {
         let row = p.vhgp_seq.case.iter().find(|row| row.sea == p.case.sea);
-        let theta_t = row.map(|row| row.theta_t).ok_or_else(|| Error::stage("no row of vhgp_seq.case names this sea"))?;
+        let theta_t = row
+            .map(|row| row.theta_t)
+            .ok_or_else(|| Error::stage("no row of vhgp_seq.case names this sea"))?;
         let realisations = sequential.len() as u64;
         let lines = |(n, estimate): &(Vec<u32>, Vec<f64>)| (n.clone(), estimate.clone());
-        let sequential: Vec<(Vec<u32>, Vec<f64>)> =
-            sequential.iter().map(|piece| piece.map(|r| lines(&(r.n_samples.clone(), r.estimate.clone())))).collect::<Result<_>>()?;
-        let random: Vec<(Vec<u32>, Vec<f64>)> =
-            random.iter().map(|piece| piece.map(|r| (r.n_samples.clone(), r.estimate.clone()))).collect::<Result<_>>()?;
+        let sequential: Vec<(Vec<u32>, Vec<f64>)> = sequential
+            .iter()
+            .map(|piece| piece.map(|r| lines(&(r.n_samples.clone(), r.estimate.clone()))))
+            .collect::<Result<_>>()?;
+        let random: Vec<(Vec<u32>, Vec<f64>)> = random
+            .iter()
+            .map(|piece| piece.map(|r| (r.n_samples.clone(), r.estimate.clone())))
+            .collect::<Result<_>>()?;
         let truth = truth.at_table("truth", p.vhgp_seq.epsilon_1_index as usize);
         let (epsilon_1, p_true, _) = truth.ok_or_else(|| Error::stage("the record holds no groups"))?;
         let figure = Convergence {
@@ -82,10 +88,15 @@ impl Stage for Fig5VhgpSeq {
 
 /// Mean and population standard deviation over the realisations at every number of samples that all of them reached.
 fn estimates(realisations: &[(Vec<u32>, Vec<f64>)]) -> Estimates {
-    let mut found = Estimates { n_samples: Vec::new(), mean: Vec::new(), std: Vec::new() };
+    let mut found = Estimates {
+        n_samples: Vec::new(),
+        mean: Vec::new(),
+        std: Vec::new(),
+    };
     let sizes = realisations.first().map_or(&[] as &[u32], |(n, _)| n.as_slice());
     for n in sizes {
-        let at = |(sizes, estimate): &(Vec<u32>, Vec<f64>)| sizes.iter().position(|size| size == n).map(|i| estimate[i]);
+        let at =
+            |(sizes, estimate): &(Vec<u32>, Vec<f64>)| sizes.iter().position(|size| size == n).map(|i| estimate[i]);
         let values: Option<Vec<f64>> = realisations.iter().map(at).collect();
         if let Some(values) = values {
             found.n_samples.push(f64::from(*n));

@@ -41,7 +41,9 @@ impl Stage for Fig6JonswapGroups {
     type Output = Published;
 
     fn check(p: &Params) -> std::result::Result<(), String> {
-        p.fig6_jonswap_groups.check(&p.record).map_err(|why| format!("fig6_jonswap_groups.{why}"))
+        p.fig6_jonswap_groups
+            .check(&p.record)
+            .map_err(|why| format!("fig6_jonswap_groups.{why}"))
     }
 
     fn run(

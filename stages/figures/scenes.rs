@@ -23,7 +23,7 @@ pub struct Segment {
 }
 
 /// Elevation samples drawn per T_p.
-const DRAWN_PER_PERIOD: u32 = 16;
+const DRAWN_PER_PERIOD: u32 = 32;
 
 impl Segment {
     /// Checks that the segment lies within a field.
@@ -34,7 +34,13 @@ impl Segment {
         let last = f64::from(record.periods_per_field);
         let ok = self.from >= 0.0 && self.from < self.to && self.to <= last;
         let (from, to) = (self.from, self.to);
-        if ok { Ok(()) } else { Err(format!("to: expected 0 <= from < to <= {last} (periods_per_field), found {from}, {to}")) }
+        if ok {
+            Ok(())
+        } else {
+            Err(format!(
+                "to: expected 0 <= from < to <= {last} (periods_per_field), found {from}, {to}"
+            ))
+        }
     }
 
     /// The elevation of the segment, from the fields of a piece; `place` is the field's place in the piece.
@@ -43,12 +49,20 @@ impl Segment {
         waves.elevation(place / WIDTH * WIDTH, &mut record.synthesis(), &mut eta);
         let column: Vec<f64> = eta.iter().map(|row| row[place % WIDTH]).collect();
         let stride = (record.samples_per_period / DRAWN_PER_PERIOD).max(1) as usize;
-        self.cut(&column, waves.t_p / f64::from(record.samples_per_period), stride, waves.t_p)
+        self.cut(
+            &column,
+            waves.t_p / f64::from(record.samples_per_period),
+            stride,
+            waves.t_p,
+        )
     }
 
     /// The samples of a field's series, `spacing` s apart, that lie in the segment; every `stride`-th of them.
     pub fn cut(&self, samples: &[f64], spacing: f64, stride: usize, t_p: f64) -> Series {
-        let mut series = Series { t: Vec::new(), value: Vec::new() };
+        let mut series = Series {
+            t: Vec::new(),
+            value: Vec::new(),
+        };
         for (j, value) in samples.iter().enumerate().step_by(stride) {
             let t = j as f64 * spacing;
             if t >= self.from * t_p && t <= self.to * t_p {
@@ -62,17 +76,42 @@ impl Segment {
     /// The groups whose three lengths around the centre meet the segment.
     pub fn groups(&self, groups: &[WaveGroup], t_p: f64) -> Vec<Group> {
         let meets = |g: &&WaveGroup| g.t_c + 3.0 * g.l >= self.from * t_p && g.t_c - 3.0 * g.l <= self.to * t_p;
-        groups.iter().filter(meets).map(|g| Group { t_c: g.t_c, l: g.l, a: g.a }).collect()
+        groups
+            .iter()
+            .filter(meets)
+            .map(|g| Group {
+                t_c: g.t_c,
+                l: g.l,
+                a: g.a,
+            })
+            .collect()
     }
 }
 
 /// A density for drawing.
 pub fn density(map: &DensityMap) -> Density {
-    let DensityMap { x0, dx, nx, y0, dy, ny, p } = map.clone();
-    Density { x0, dx, nx, y0, dy, ny, p }
+    let DensityMap {
+        x0,
+        dx,
+        nx,
+        y0,
+        dy,
+        ny,
+        p,
+    } = map.clone();
+    Density {
+        x0,
+        dx,
+        nx,
+        y0,
+        dy,
+        ny,
+        p,
+    }
 }
 
 /// A refusal of the drawing code, as a stage's failure.
+#[expect(clippy::needless_pass_by_value, reason = "the shape that map_err wants")]
 pub fn refused(error: plot::Error) -> Error {
     Error::stage(error.to_string())
 }
@@ -96,5 +135,7 @@ pub fn find_field<T>(
         }
         first += fields;
     }
-    Err(Error::stage(format!("{key}: expected a field below {first} (record.fields), found {field}")))
+    Err(Error::stage(format!(
+        "{key}: expected a field below {first} (record.fields), found {field}"
+    )))
 }

@@ -86,7 +86,9 @@ impl Stage for Table1 {
         };
         for (sequential, random) in sequential.iter().zip(&random) {
             let sea = sequential.case.value(SEA).unwrap_or_default();
-            let Some(case) = p.vhgp_seq.case.iter().find(|case| case.sea == sea) else { continue };
+            let Some(case) = p.vhgp_seq.case.iter().find(|case| case.sea == sea) else {
+                continue;
+            };
             let truth = truth.iter().find(|other| other.case.value(SEA) == Some(sea));
             let mut row = Row {
                 spectrum: sea.to_owned(),
@@ -107,7 +109,12 @@ impl Stage for Table1 {
             table.rows.push(row);
         }
         let picture = svg(&table).map_err(refused)?;
-        let texts = [("svg", picture), ("csv", csv(&table)), ("md", markdown(&table)), ("tex", latex(&table))];
+        let texts = [
+            ("svg", picture),
+            ("csv", csv(&table)),
+            ("md", markdown(&table)),
+            ("tex", latex(&table)),
+        ];
         Ok(Published::new(Self::NAME, texts))
     }
 }
@@ -129,7 +136,10 @@ impl Params {
 /// The last estimate of every realisation.
 fn sequential_estimates(case: &CaseOf<'_, VhgpSeq>) -> Result<Vec<f64>> {
     let pieces: Vec<_> = case.pieces.iter().collect::<Result<_>>()?;
-    Ok(pieces.iter().filter_map(|realisation| realisation.estimate.last().copied()).collect())
+    Ok(pieces
+        .iter()
+        .filter_map(|realisation| realisation.estimate.last().copied())
+        .collect())
 }
 
 /// The estimate after so many samples, of every realisation.
@@ -144,6 +154,9 @@ fn random_estimates(case: &CaseOf<'_, RandomSampling>, samples: u32) -> Result<V
 
 /// Mean and standard deviation of some estimates; none of none.
 fn last(estimates: &[f64]) -> Option<Estimate> {
-    let known = Estimate { mean: mean(estimates), std: standard_deviation(estimates) };
+    let known = Estimate {
+        mean: mean(estimates),
+        std: standard_deviation(estimates),
+    };
     (!estimates.is_empty()).then_some(known)
 }

@@ -1,23 +1,22 @@
 //! Exact solutions and laws, module by module.
 
-mod density;
-mod detection;
-mod envelope;
-mod fourier;
-mod group_statistics;
-mod lbfgsb;
-mod seas;
-mod wave_field;
 mod cholesky;
+mod density;
 mod design;
+mod detection;
+mod encounter;
+mod envelope;
+mod exceedance;
+mod fourier;
 mod gp;
+mod group_statistics;
+mod hermite;
 mod latin_hypercube;
 mod lbfgsb;
 mod normal;
-mod encounter;
-mod exceedance;
-mod hermite;
 mod response;
 mod rk4;
 mod roll_equation;
 mod roll_twin;
+mod seas;
+mod wave_field;

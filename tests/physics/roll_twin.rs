@@ -1,6 +1,5 @@
 //! The slow, obvious twin of roll in lanes: one ship, one scalar loop, the whole trajectory kept.
 
-use encounter::ship::exceedance::Thresholds;
 use encounter::ship::response::{Capsize, Roll, Truth};
 use encounter::ship::roll_equation::{Damping, Ship};
 
@@ -25,11 +24,6 @@ pub(crate) fn truth() -> Truth {
         capsize_angle: std::f64::consts::PI,
         capsize: Capsize::Restart,
         temporal_level: 0.25,
-        thresholds: Thresholds {
-            from: 0.0,
-            to: 1.2,
-            step: 0.025,
-        },
     }
 }
 
