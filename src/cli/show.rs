@@ -3,9 +3,8 @@
 use clap::Args;
 use serde_json::json;
 
-use crate::cli::{Common, print_json};
+use crate::cli::{Common, print_json, target};
 use crate::engine::error::{Error, Result};
-use crate::engine::graph::Target;
 use crate::engine::run::{Decision, Run};
 
 /// Arguments of `encounter show`.
@@ -23,7 +22,7 @@ pub struct ShowArgs {
 /// A name that is no node, or a node that has not been made.
 pub fn show(args: &ShowArgs) -> Result<()> {
     let session = args.common.open(std::slice::from_ref(&args.node))?;
-    let target = Target::parse(&args.node);
+    let target = target(&args.node);
     let store = session.open_store()?;
     let silent = |_: &_| {};
     let run = Run::new(&session.graph, &store, &silent);

@@ -323,6 +323,7 @@ impl<'a> Builder<'a> {
         let seed = self.params.seed()?;
         let index: BTreeMap<&Slot, usize> = self.wanted.keys().enumerate().map(|(i, slot)| (slot, i)).collect();
         let mut nodes: Vec<NodeCase> = Vec::new();
+        let mut codes: BTreeMap<usize, [u8; 32]> = BTreeMap::new();
         for ((place, _), case) in &self.wanted {
             let node = self.pipeline.contents[*place];
             let mut links = Vec::new();
@@ -331,7 +332,8 @@ impl<'a> Builder<'a> {
                 links.push(Link { kind: *kind, upstream });
             }
             let pieces = self.pieces(node, &links, &nodes)?;
-            let code = code::of(node.name()).map_or([0; 32], code::StageCode::fingerprint);
+            let fingerprint = || code::of(node.name()).map_or([0; 32], code::StageCode::fingerprint);
+            let code = *codes.entry(*place).or_insert_with(fingerprint);
             nodes.push(NodeCase {
                 node,
                 case: case.clone(),

@@ -41,26 +41,21 @@ impl Lock {
     /// The lock of a finished run.
     ///
     /// # Errors
-    /// A node whose content is not known or whose records are gone.
+    /// A node whose content is not known.
     pub fn of(run: &Run<'_>, profile: &str, made_with: &str, texts: &BTreeMap<String, String>) -> Result<Self> {
         let content = |node: usize| run.content(node);
         let mut lines = Vec::new();
         for (i, node) in run.graph.nodes.iter().enumerate() {
-            let gone = || Error::Damaged {
-                what: format!("the record of {}", node.name()),
-                why: "it is missing".into(),
+            let unknown = || Error::Damaged {
+                what: format!("the output of {}", node.name()),
+                why: "its content is not known".into(),
             };
-            let mut bytes = 0;
-            for piece in 0..node.pieces.len() {
-                let record = run.key(i, piece).and_then(|key| run.store.record(&key));
-                bytes += record.ok_or_else(gone)?.bytes;
-            }
             lines.push(Line {
                 name: node.name(),
                 pieces: Some(node.pieces.len()),
                 recipe: run.recipe(i, &content),
-                content: run.content(i).ok_or_else(gone)?,
-                bytes,
+                content: run.content(i).ok_or_else(unknown)?,
+                bytes: run.bytes_of_node(i).ok_or_else(unknown)?,
             });
         }
         for (path, text) in texts {

@@ -47,14 +47,15 @@ impl ParamsFile {
     /// # Errors
     /// Text that is no TOML, with file, line and reason.
     pub fn layer(&mut self, file: &str, text: &str) -> Result<()> {
+        let lines = Lines::of(text);
         let refuse = |error: &toml::de::Error| {
-            let line = error.span().map_or(1, |span| line_of(text, span.start));
+            let line = error.span().map_or(1, |span| lines.at(span.start));
             Error::Usage(format!("{file}:{line}: expected TOML, found: {}", error.message()))
         };
         let spanned = DeTable::parse(text).map_err(|error| refuse(&error))?;
         let table: Table = toml::from_str(text).map_err(|error| refuse(&error))?;
         note_origins(&mut self.origins, "", spanned.get_ref(), &|offset| {
-            format!("{file}:{}", line_of(text, offset))
+            format!("{file}:{}", lines.at(offset))
         });
         merge(&mut self.values, table);
         Ok(())
@@ -349,9 +350,18 @@ fn is_name(text: &str) -> bool {
     !text.is_empty() && text.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')
 }
 
-fn line_of(text: &str, offset: usize) -> usize {
-    let before = text.get(..offset).unwrap_or(text);
-    before.matches('\n').count() + 1
+/// Where the lines of a text end.
+struct Lines(Vec<usize>);
+
+impl Lines {
+    fn of(text: &str) -> Self {
+        Self(text.match_indices('\n').map(|(offset, _)| offset).collect())
+    }
+
+    /// The number of the line that holds an offset, from 1.
+    fn at(&self, offset: usize) -> usize {
+        self.0.partition_point(|end| *end < offset) + 1
+    }
 }
 
 fn merge(base: &mut Table, over: Table) {

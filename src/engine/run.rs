@@ -29,7 +29,8 @@ pub struct Run<'g> {
     pub(crate) graph: &'g Graph,
     pub(crate) store: &'g Store,
     listener: &'g Listener<'g>,
-    ids: Vec<Vec<OnceLock<Id>>>,
+    /// Per piece: its id and the length of its output, once known.
+    known: Vec<Vec<OnceLock<(Id, u64)>>>,
     contents: Vec<OnceLock<Id>>,
     memo: Memo,
 }
@@ -47,7 +48,7 @@ pub(crate) enum Decision {
 impl<'g> Run<'g> {
     /// A walk that knows no id yet.
     pub fn new(graph: &'g Graph, store: &'g Store, listener: &'g Listener<'g>) -> Self {
-        let ids = graph
+        let known = graph
             .nodes
             .iter()
             .map(|node| node.pieces.iter().map(|_| OnceLock::new()).collect())
@@ -57,7 +58,7 @@ impl<'g> Run<'g> {
             graph,
             store,
             listener,
-            ids,
+            known,
             contents,
             memo: Memo::new(MEMO_BYTES),
         }
@@ -69,7 +70,16 @@ impl<'g> Run<'g> {
 
     /// The id of a piece, once it is known.
     pub fn id(&self, node: usize, piece: usize) -> Option<Id> {
-        self.ids[node][piece].get().copied()
+        self.known[node][piece].get().map(|(id, _)| *id)
+    }
+
+    /// The length of a node's output in bytes, over all pieces, once all are known.
+    pub fn bytes_of_node(&self, node: usize) -> Option<u64> {
+        let lengths: Option<Vec<u64>> = self.known[node]
+            .iter()
+            .map(|known| known.get().map(|(_, bytes)| *bytes))
+            .collect();
+        Some(lengths?.iter().sum())
     }
 
     /// The content of a node: the id of its only piece, or of the list of its pieces' ids.
@@ -77,7 +87,7 @@ impl<'g> Run<'g> {
         if let Some(id) = self.contents[node].get() {
             return Some(*id);
         }
-        let ids: Option<Vec<Id>> = self.ids[node].iter().map(|id| id.get().copied()).collect();
+        let ids: Option<Vec<Id>> = (0..self.known[node].len()).map(|piece| self.id(node, piece)).collect();
         let ids = ids?;
         let content = if let [only] = ids.as_slice() {
             *only
@@ -137,10 +147,10 @@ impl<'g> Run<'g> {
         match self
             .store
             .record(&key)
-            .and_then(|record| Some((Id::parse(&record.id)?, record.evicted)))
+            .and_then(|record| Some((Id::parse(&record.id)?, record.bytes, record.evicted)))
         {
-            Some((id, evicted)) if evicted || self.store.has(&id) => {
-                let _ = self.ids[node][piece].set(id);
+            Some((id, bytes, evicted)) if evicted || self.store.has(&id) => {
+                let _ = self.known[node][piece].set((id, bytes));
                 Decision::Cached
             }
             _ => Decision::WillRun(key),
@@ -167,7 +177,7 @@ impl<'g> Run<'g> {
         self.store.publish(schema, &bytes, &record)?;
         let length = bytes.len() as u64;
         self.memo.put_bytes(id, Arc::from(bytes));
-        let _ = self.ids[node][piece].set(id);
+        let _ = self.known[node][piece].set((id, length));
         self.tell(&Event::DidRun {
             node: name,
             piece,

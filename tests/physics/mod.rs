@@ -9,6 +9,7 @@ mod envelope;
 mod exceedance;
 mod fourier;
 mod gp;
+mod ground_truth;
 mod group_statistics;
 mod hermite;
 mod latin_hypercube;
