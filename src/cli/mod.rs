@@ -20,7 +20,7 @@ use crate::stages::axes::SHIP;
 
 /// Gong & Pan's ships encountering wave groups: the whole paper from seeds, through a cache.
 #[derive(Debug, Parser)]
-#[command(name = "encounter", version, about, max_term_width = 100)]
+#[command(version, about, max_term_width = 100)]
 struct Cli {
     #[command(subcommand)]
     verb: Verb,

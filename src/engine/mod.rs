@@ -37,6 +37,7 @@ pub mod arrow;
 pub mod case;
 pub mod code;
 pub mod codec;
+mod decode;
 pub mod error;
 pub mod event;
 mod fields;

@@ -5,11 +5,10 @@ use std::collections::BTreeMap;
 use std::marker::PhantomData;
 use std::sync::Arc;
 
-use serde::de::DeserializeOwned;
-
 use crate::engine::arrow::{Inputs, Kind};
 use crate::engine::case::Axis;
 use crate::engine::codec;
+use crate::engine::decode::{Fault, decode};
 use crate::engine::error::Result;
 use crate::engine::fields::field_names;
 use crate::engine::read::Reader;
@@ -26,13 +25,6 @@ pub struct Decoded {
     pub(crate) bytes: Vec<u8>,
     /// Paths in the tables it reads that it takes no notice of.
     pub(crate) ignored: Vec<String>,
-}
-
-/// A parameter that does not decode: its path within the stage's view, and what serde says of it.
-#[derive(Debug)]
-pub struct Fault {
-    pub(crate) path: String,
-    pub(crate) message: String,
 }
 
 /// A stage, types erased.
@@ -97,7 +89,7 @@ impl<S: Stage> Node for Of<S> {
     }
 
     fn decode_params(&self, view: toml::Table) -> std::result::Result<Decoded, Fault> {
-        let (value, ignored) = decode_view::<S::Params>(view)?;
+        let (value, ignored) = decode::<S::Params>(view)?;
         S::check(&value).map_err(|text| {
             let (path, message) = text.split_once(": ").unwrap_or(("", &text));
             Fault {
@@ -107,7 +99,8 @@ impl<S: Stage> Node for Of<S> {
         })?;
         let bytes = codec::encode(&value).map_err(|error| Fault {
             path: String::new(),
-            message: error.to_string(),
+            // The lines after the first repeat the path.
+            message: error.to_string().lines().next().unwrap_or_default().to_owned(),
         })?;
         Ok(Decoded {
             value: Box::new(value),
@@ -150,24 +143,5 @@ impl<S: Stage> Node for Of<S> {
             .downcast_ref::<S::Params>()
             .expect("a node is handed its own parameters");
         serde_json::to_value(params).unwrap_or_default()
-    }
-}
-
-/// Decodes a view of the parameter file, with the path of a fault and the paths that nothing took notice of.
-fn decode_view<P: DeserializeOwned>(view: toml::Table) -> std::result::Result<(P, Vec<String>), Fault> {
-    let mut ignored = Vec::new();
-    let mut track = serde_path_to_error::Track::new();
-    let value = toml::Value::Table(view);
-    let deserializer = serde_path_to_error::Deserializer::new(value, &mut track);
-    let result = serde_ignored::deserialize(deserializer, |path| ignored.push(path.to_string()));
-    match result {
-        Ok(value) => Ok((value, ignored)),
-        Err(error) => {
-            let error: toml::de::Error = error;
-            Err(Fault {
-                path: track.path().to_string(),
-                message: error.message().to_owned(),
-            })
-        }
     }
 }

@@ -10,8 +10,8 @@ use toml::de::{DeTable, DeValue};
 use toml::{Spanned, Table, Value};
 
 use crate::engine::case::{Axis, Case};
+use crate::engine::decode::Fault;
 use crate::engine::error::{Error, Result};
-use crate::engine::node::Fault;
 
 /// The parameters in force and where each of them was written.
 #[derive(Clone, Debug, Default)]
@@ -272,11 +272,7 @@ impl ParamsFile {
             .message
             .strip_prefix("missing field `")
             .and_then(|rest| rest.split('`').next());
-        let mut path = if fault.path == "." {
-            String::new()
-        } else {
-            fault.path.clone()
-        };
+        let mut path = fault.path.clone();
         if let Some(key) = missing {
             path = if path.is_empty() {
                 key.to_owned()

@@ -7,16 +7,17 @@
 //! | N | `length` | 1 | length of one transform, the smallest power of two >= modes |
 //! | R = M/N | `shifts` | 1 | phase-shifted transforms of one series |
 //!
-//! rustfft runs on [`Lanes`], our own number type, planned by its scalar planner alone. Its twiddles come from the
+//! rustfft's radix 4, never chosen by CPU, runs on [`Lanes`], our own number type. Its twiddles come from the
 //! platform's cos and sin, so [`Lanes::from_f64`] moves each to the nearest entry of an exactly computed table.
 //! Tested against direct sums and plain rustfft in `tests/physics/fourier.rs`.
 
 use crate::numerics::elementary;
 use num_complex::Complex;
 use num_traits::{FromPrimitive, Num, One, Signed, Zero};
-use rustfft::{Fft, FftDirection, FftPlannerScalar};
+use rustfft::algorithm::Radix4;
+use rustfft::{Fft, FftDirection};
 use std::ops::{Add, Div, Mul, Neg, Rem, Sub};
-use std::sync::{Arc, OnceLock};
+use std::sync::OnceLock;
 
 /// Fields side by side in one [`Lanes`].
 pub const WIDTH: usize = 8;
@@ -194,7 +195,7 @@ fn snapped(x: f64) -> f64 {
 
 /// One planned complex transform of power-of-two length, not normalised.
 pub struct Transform {
-    plan: Arc<dyn Fft<Lanes>>,
+    plan: Radix4<Lanes>,
 }
 
 impl Transform {
@@ -213,8 +214,9 @@ impl Transform {
             n.is_power_of_two() && n <= LONGEST,
             "a transform's length is a power of two up to {LONGEST}, not {n}"
         );
-        let plan = FftPlannerScalar::new().plan_fft(n, direction);
-        Self { plan }
+        Self {
+            plan: Radix4::new(n, direction),
+        }
     }
 
     /// Transforms in place; `scratch` grows to what is needed and is best kept between calls.

@@ -1,0 +1,160 @@
+//! Decoding a view of the parameter file into a stage's `Params`, noting where a fault lies and what nothing reads.
+//!
+//! One deserializer over TOML values for all types, so that a table which many stages read is compiled once.
+
+use std::cell::RefCell;
+
+use serde::de::value::{Error, StrDeserializer};
+use serde::de::{
+    DeserializeOwned, DeserializeSeed, Deserializer, Error as _, IntoDeserializer, MapAccess, SeqAccess, Unexpected,
+    Visitor,
+};
+use serde::forward_to_deserialize_any;
+use toml::Value;
+
+/// A parameter that does not decode: its path within the view, and what serde says of it.
+#[derive(Debug)]
+pub struct Fault {
+    /// Keys joined by dots; empty for the view itself.
+    pub(crate) path: String,
+    /// Serde's words.
+    pub(crate) message: String,
+}
+
+/// Decodes a table; also gives the paths that the type takes no notice of.
+pub(crate) fn decode<T: DeserializeOwned>(table: toml::Table) -> Result<(T, Vec<String>), Fault> {
+    let trail = RefCell::new(Trail::default());
+    let value = Value::Table(table);
+    let result = T::deserialize(Traced {
+        value: &value,
+        trail: &trail,
+    });
+    let trail = trail.into_inner();
+    match result {
+        Ok(decoded) => Ok((decoded, trail.ignored)),
+        Err(error) => Err(Fault {
+            path: trail.path.join("."),
+            message: error.to_string(),
+        }),
+    }
+}
+
+/// The way from the view to the value being decoded; after a fault it ends at the fault.
+#[derive(Default)]
+struct Trail {
+    path: Vec<String>,
+    ignored: Vec<String>,
+}
+
+#[derive(Clone, Copy)]
+struct Traced<'a> {
+    value: &'a Value,
+    trail: &'a RefCell<Trail>,
+}
+
+impl<'a> Traced<'a> {
+    /// Decodes a value one step further down.
+    fn step<'de, S: DeserializeSeed<'de>>(self, key: String, value: &'a Value, seed: S) -> Result<S::Value, Error> {
+        self.trail.borrow_mut().path.push(key);
+        let decoded = seed.deserialize(Self { value, ..self })?;
+        self.trail.borrow_mut().path.pop();
+        Ok(decoded)
+    }
+}
+
+impl<'de> Deserializer<'de> for Traced<'_> {
+    type Error = Error;
+
+    fn deserialize_any<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Error> {
+        match self.value {
+            Value::String(text) => visitor.visit_str(text),
+            Value::Integer(number) => visitor.visit_i64(*number),
+            Value::Float(number) => visitor.visit_f64(*number),
+            Value::Boolean(truth) => visitor.visit_bool(*truth),
+            Value::Array(values) => visitor.visit_seq(Elements {
+                of: self,
+                rest: values.iter().enumerate(),
+            }),
+            Value::Table(table) => visitor.visit_map(Entries {
+                of: self,
+                rest: table.iter(),
+                value: None,
+            }),
+            Value::Datetime(date) => Err(Error::invalid_type(
+                Unexpected::Other(&format!("date {date}")),
+                &visitor,
+            )),
+        }
+    }
+
+    fn deserialize_option<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Error> {
+        visitor.visit_some(self)
+    }
+
+    fn deserialize_newtype_struct<V: Visitor<'de>>(self, _: &'static str, visitor: V) -> Result<V::Value, Error> {
+        visitor.visit_newtype_struct(self)
+    }
+
+    fn deserialize_enum<V: Visitor<'de>>(
+        self,
+        _: &'static str,
+        variants: &'static [&'static str],
+        visitor: V,
+    ) -> Result<V::Value, Error> {
+        match self.value.as_str() {
+            Some(word) => visitor.visit_enum(IntoDeserializer::<Error>::into_deserializer(word)),
+            None => Err(Error::custom(format!(
+                "expected one of {}, found {}",
+                variants.join(", "),
+                self.value
+            ))),
+        }
+    }
+
+    fn deserialize_ignored_any<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Error> {
+        let mut trail = self.trail.borrow_mut();
+        let path = trail.path.join(".");
+        trail.ignored.push(path);
+        visitor.visit_unit()
+    }
+
+    forward_to_deserialize_any! {
+        bool i8 i16 i32 i64 i128 u8 u16 u32 u64 u128 f32 f64 char str string bytes byte_buf unit unit_struct seq tuple
+        tuple_struct map struct identifier
+    }
+}
+
+struct Elements<'a> {
+    of: Traced<'a>,
+    rest: std::iter::Enumerate<std::slice::Iter<'a, Value>>,
+}
+
+impl<'de> SeqAccess<'de> for Elements<'_> {
+    type Error = Error;
+
+    fn next_element_seed<S: DeserializeSeed<'de>>(&mut self, seed: S) -> Result<Option<S::Value>, Error> {
+        let step = |(place, value): (usize, _)| self.of.step(place.to_string(), value, seed);
+        self.rest.next().map(step).transpose()
+    }
+}
+
+struct Entries<'a> {
+    of: Traced<'a>,
+    rest: toml::map::Iter<'a, String, Value>,
+    value: Option<(&'a String, &'a Value)>,
+}
+
+impl<'de> MapAccess<'de> for Entries<'_> {
+    type Error = Error;
+
+    fn next_key_seed<S: DeserializeSeed<'de>>(&mut self, seed: S) -> Result<Option<S::Value>, Error> {
+        self.value = self.rest.next();
+        let key = self.value.map(|(key, _)| StrDeserializer::<Error>::new(key));
+        key.map(|key| seed.deserialize(key)).transpose()
+    }
+
+    fn next_value_seed<S: DeserializeSeed<'de>>(&mut self, seed: S) -> Result<S::Value, Error> {
+        let (key, value) = self.value.take().expect("serde asks for a value after its key");
+        self.of.step(key.clone(), value, seed)
+    }
+}
