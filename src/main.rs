@@ -1,16 +1,7 @@
-//! Parse, run, print the error, exit code.
+//! The process: everything it does is in `cli`.
 
 use std::process::ExitCode;
 
-use clap::Parser;
-use encounter::cli::{self, Cli};
-
 fn main() -> ExitCode {
-    match cli::main(&Cli::parse()) {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("error: {error}");
-            ExitCode::from(error.exit_code())
-        }
-    }
+    encounter::cli::main()
 }

@@ -7,6 +7,7 @@ use crate::engine::error::Result;
 use crate::engine::stage::{Here, Stage};
 use crate::numerics::sums::mean;
 use crate::ship::exceedance::{Counts, Exceedances, Probabilities, Thresholds};
+use crate::ship::response::Truths;
 use crate::ship::sample::SampledResponses;
 use crate::stages::cic::Cic;
 use crate::stages::ground_truth::GroundTruth;
@@ -86,11 +87,11 @@ impl Stage for Exceedance {
     fn run(
         p: &Params,
         (truth, cic, pic, nic, nic_groups): (
-            PiecesOf<'_, GroundTruth>,
-            PiecesOf<'_, Cic>,
-            PiecesOf<'_, Pic>,
-            PiecesOf<'_, Nic>,
-            PiecesOf<'_, NicGroups>,
+            PiecesOf<'_, Truths>,
+            PiecesOf<'_, SampledResponses>,
+            PiecesOf<'_, SampledResponses>,
+            PiecesOf<'_, SampledResponses>,
+            PiecesOf<'_, SampledResponses>,
         ),
         _: Here<'_>,
     ) -> Result<Probabilities> {
@@ -146,10 +147,7 @@ impl Levels {
 }
 
 /// What the sampled groups of a method exceed, per epsilon_1.
-fn count_sampled<S: Stage<Output = SampledResponses>>(
-    levels: &Levels,
-    pieces: &PiecesOf<'_, S>,
-) -> Result<Vec<Counted>> {
+fn count_sampled(levels: &Levels, pieces: &PiecesOf<'_, SampledResponses>) -> Result<Vec<Counted>> {
     let mut counted = Vec::new();
     for piece in pieces.iter() {
         let piece = piece?;
@@ -166,7 +164,7 @@ fn count_sampled<S: Stage<Output = SampledResponses>>(
 /// What the continuous record counts and exceeds, per epsilon_1.
 fn count_truth(
     levels: &Levels,
-    truth: &PiecesOf<'_, GroundTruth>,
+    truth: &PiecesOf<'_, Truths>,
     capsize_angle: f64,
 ) -> Result<(Vec<Counts>, Vec<Counted>)> {
     let (mut counts, mut counted, mut times) = (Vec::<Counts>::new(), Vec::new(), Vec::<Vec<f64>>::new());

@@ -8,7 +8,7 @@ use crate::engine::arrow::{All, PiecesOf};
 use crate::engine::error::Result;
 use crate::engine::stage::{Here, Stage};
 use crate::numerics::random;
-use crate::sea::wave_group::Sample;
+use crate::sea::wave_group::{Groups, Sample};
 use crate::stages::group_detection::GroupDetection;
 
 /// `[estimate] samples` groups of the record, or all if there are fewer.
@@ -36,7 +36,7 @@ impl Stage for GroupSample {
     type Inputs = (All<GroupDetection>,);
     type Output = Sample;
 
-    fn run(p: &Params, (groups,): (PiecesOf<'_, GroupDetection>,), here: Here<'_>) -> Result<Sample> {
+    fn run(p: &Params, (groups,): (PiecesOf<'_, Groups>,), here: Here<'_>) -> Result<Sample> {
         let mut counts = Vec::new();
         for piece in groups.iter() {
             counts.extend(piece?.fields.iter().map(Vec::len));

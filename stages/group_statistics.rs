@@ -12,6 +12,7 @@ use crate::numerics::sums::{mean, standard_deviation};
 use crate::sea::spectrum::Sea;
 use crate::sea::statistics::Statistics;
 use crate::sea::wave_field::Record;
+use crate::sea::wave_group::Groups;
 use crate::stages::group_detection::GroupDetection;
 
 /// Statistics of (L/T_p, A/H_s) over the record.
@@ -72,7 +73,7 @@ impl Stage for GroupStatistics {
         Ok(())
     }
 
-    fn run(p: &Params, (groups,): (PiecesOf<'_, GroupDetection>,), _: Here<'_>) -> Result<Statistics> {
+    fn run(p: &Params, (groups,): (PiecesOf<'_, Groups>,), _: Here<'_>) -> Result<Statistics> {
         let (mut l, mut a, mut fields) = (Vec::new(), Vec::new(), 0);
         for piece in groups.iter() {
             let piece = piece?;

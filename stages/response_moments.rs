@@ -12,10 +12,12 @@ use crate::engine::error::Result;
 use crate::engine::stage::{Here, Select, Stage};
 use crate::sea::spectrum::Sea;
 use crate::sea::wave_field::Record;
+use crate::sea::wave_group::Groups;
 use crate::ship::encounter::{Approach, Encounter, GroupRun, max_roll_through_groups};
 use crate::ship::initial_condition::{Ensemble, Estimate};
-use crate::ship::response::{Moments, Point, Truth};
+use crate::ship::response::{Moments, Point, Truth, Truths};
 use crate::ship::roll_equation::Ship;
+use crate::ship::sample::SampledResponses;
 use crate::ship::simulation::Simulation;
 use crate::stages::axes::SEA;
 use crate::stages::ground_truth::GroundTruth;
@@ -75,9 +77,9 @@ impl Stage for ResponseMoments {
     fn run(
         p: &Params,
         (groups, truth, nic, ensemble): (
-            PiecesOf<'_, GroupDetection>,
-            PiecesOf<'_, GroundTruth>,
-            PiecesOf<'_, Nic>,
+            PiecesOf<'_, Groups>,
+            PiecesOf<'_, Truths>,
+            PiecesOf<'_, SampledResponses>,
             Arc<Ensemble>,
         ),
         _: Here<'_>,
@@ -127,8 +129,8 @@ impl Params {
 /// Responses of the continuous record to the groups in each bin: (epsilon_1)(bin)(groups).
 fn truth_in_bins(
     p: &Params,
-    groups: &PiecesOf<'_, GroupDetection>,
-    truth: &PiecesOf<'_, GroundTruth>,
+    groups: &PiecesOf<'_, Groups>,
+    truth: &PiecesOf<'_, Truths>,
 ) -> Result<Vec<Vec<Vec<f64>>>> {
     let mut found = p.empty();
     for (groups, truth) in groups.iter().zip(truth.iter()) {
@@ -146,7 +148,7 @@ fn truth_in_bins(
 }
 
 /// Responses of NIC to the sampled groups in each bin: (epsilon_1)(bin)(groups).
-fn nic_in_bins(p: &Params, nic: &PiecesOf<'_, Nic>) -> Result<Vec<Vec<Vec<f64>>>> {
+fn nic_in_bins(p: &Params, nic: &PiecesOf<'_, SampledResponses>) -> Result<Vec<Vec<Vec<f64>>>> {
     let mut found = p.empty();
     for piece in nic.iter() {
         let piece = piece?;

@@ -12,6 +12,7 @@ use crate::engine::error::{Error, Result};
 use crate::engine::stage::{Here, Select, Stage};
 use crate::numerics::random;
 use crate::sea::spectrum::Sea;
+use crate::ship::sample::SampledResponses;
 use crate::stages::axes::SEA;
 use crate::stages::nic::Nic;
 
@@ -67,7 +68,7 @@ impl Stage for ResponsePool {
         ))
     }
 
-    fn run(p: &Params, (nic,): (PiecesOf<'_, Nic>,), here: Here<'_>) -> Result<Pool> {
+    fn run(p: &Params, (nic,): (PiecesOf<'_, SampledResponses>,), here: Here<'_>) -> Result<Pool> {
         let (mut epsilon_1, mut points, mut r) = (0.0, Vec::new(), Vec::new());
         for piece in nic.iter() {
             let piece = piece?;

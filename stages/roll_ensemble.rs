@@ -8,7 +8,7 @@ use crate::engine::arrow::{All, PiecesOf};
 use crate::engine::error::Result;
 use crate::engine::stage::{Here, Stage};
 use crate::numerics::fourier::WIDTH;
-use crate::sea::wave_field::Record;
+use crate::sea::wave_field::{Record, WaveFields};
 use crate::ship::continuous_roll::{Timing, continuous_states};
 use crate::ship::initial_condition::{Ensemble, Pic};
 use crate::ship::response::Truth;
@@ -36,7 +36,7 @@ impl Stage for RollEnsemble {
     type Inputs = (All<WaveSynthesis>,);
     type Output = Ensemble;
 
-    fn run(p: &Params, (record,): (PiecesOf<'_, WaveSynthesis>,), _: Here<'_>) -> Result<Ensemble> {
+    fn run(p: &Params, (record,): (PiecesOf<'_, WaveFields>,), _: Here<'_>) -> Result<Ensemble> {
         let samples = p.record.samples();
         let per_field = p.record.periods_per_field;
         let per_period = p.record.envelope_samples_per_period;

@@ -7,6 +7,7 @@ pub mod status;
 pub mod verify;
 
 use std::path::{Path, PathBuf};
+use std::process::ExitCode;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
@@ -20,7 +21,7 @@ use crate::stages::axes::SHIP;
 /// Gong & Pan's ships encountering wave groups: the whole paper from seeds, through a cache.
 #[derive(Debug, Parser)]
 #[command(name = "encounter", version, about, max_term_width = 100)]
-pub struct Cli {
+struct Cli {
     #[command(subcommand)]
     verb: Verb,
 }
@@ -176,15 +177,19 @@ fn print_json(value: &serde_json::Value) {
     println!("{value:#}");
 }
 
-/// Runs the verb.
-///
-/// # Errors
-/// Whatever keeps the verb from doing its work.
-pub fn main(cli: &Cli) -> Result<()> {
-    match &cli.verb {
+/// Parses the command line, runs the verb, prints the error; the exit code says which kind it was.
+pub fn main() -> ExitCode {
+    let outcome = match &Cli::parse().verb {
         Verb::Run(args) => run::run(args),
         Verb::Status(args) => status::status(args),
         Verb::Show(args) => show::show(args),
         Verb::Verify(args) => verify::verify(args),
+    };
+    match outcome {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::from(error.exit_code())
+        }
     }
 }

@@ -47,18 +47,18 @@ pub trait Arrow {
 }
 
 /// The pieces of one upstream case, read when asked for.
-pub struct PiecesOf<'a, S: Stage> {
+pub struct PiecesOf<'a, T> {
     reader: Reader<'a>,
     upstream: usize,
-    stage: PhantomData<S>,
+    output: PhantomData<T>,
 }
 
-impl<'a, S: Stage> PiecesOf<'a, S> {
+impl<'a, T: Send + Sync + 'static> PiecesOf<'a, T> {
     fn new(reader: &Reader<'a>, upstream: usize) -> Self {
         Self {
             reader: reader.clone(),
             upstream,
-            stage: PhantomData,
+            output: PhantomData,
         }
     }
 
@@ -76,30 +76,30 @@ impl<'a, S: Stage> PiecesOf<'a, S> {
     ///
     /// # Errors
     /// A piece that cannot be read or made again.
-    pub fn get(&self, piece: usize) -> Result<Arc<S::Output>> {
+    pub fn get(&self, piece: usize) -> Result<Arc<T>> {
         self.reader.value(self.upstream, piece)
     }
 
     /// Every piece, in order.
-    pub fn iter(&self) -> impl Iterator<Item = Result<Arc<S::Output>>> + '_ {
+    pub fn iter(&self) -> impl Iterator<Item = Result<Arc<T>>> + '_ {
         (0..self.len()).map(|piece| self.get(piece))
     }
 }
 
 /// One case of a [`Cases`] arrow.
-pub struct CaseOf<'a, S: Stage> {
+pub struct CaseOf<'a, T> {
     /// The case: its axis values.
     pub case: Case,
     /// Its pieces.
-    pub pieces: PiecesOf<'a, S>,
+    pub pieces: PiecesOf<'a, T>,
 }
 
-impl<S: Stage> CaseOf<'_, S> {
+impl<T: Send + Sync + 'static> CaseOf<'_, T> {
     /// The output of a stage in one piece.
     ///
     /// # Errors
     /// An output that cannot be read or made again.
-    pub fn get(&self) -> Result<Arc<S::Output>> {
+    pub fn get(&self) -> Result<Arc<T>> {
         self.pieces.get(0)
     }
 }
@@ -127,7 +127,7 @@ impl<S: Stage> Arrow for Each<S> {
 }
 
 impl<S: Stage> Arrow for All<S> {
-    type Value<'a> = PiecesOf<'a, S>;
+    type Value<'a> = PiecesOf<'a, S::Output>;
     const KIND: Kind = Kind::All;
     fn upstream() -> &'static dyn Node {
         node::<S>()
@@ -138,7 +138,7 @@ impl<S: Stage> Arrow for All<S> {
 }
 
 impl<S: Stage> Arrow for Cases<S> {
-    type Value<'a> = Vec<CaseOf<'a, S>>;
+    type Value<'a> = Vec<CaseOf<'a, S::Output>>;
     const KIND: Kind = Kind::Cases;
     fn upstream() -> &'static dyn Node {
         node::<S>()

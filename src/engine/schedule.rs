@@ -53,7 +53,8 @@ fn step(run: &Run<'_>, node: usize, piece: usize) -> Result<()> {
         Decision::WillRun(key) => {
             // A stage that panics must not leave the other workers waiting for it.
             let made = catch_unwind(AssertUnwindSafe(|| run.make(node, piece, key)));
-            let made = made.unwrap_or_else(|_| Err(Error::stage("it panicked").at(&run.graph.nodes[node].piece_name(piece))));
+            let made =
+                made.unwrap_or_else(|_| Err(Error::stage("it panicked").at(&run.graph.nodes[node].piece_name(piece))));
             if let Err(error) = &made {
                 let node = run.graph.nodes[node].name();
                 run.tell(&Event::DidFail {

@@ -8,9 +8,11 @@ use crate::engine::arrow::{All, One, PiecesOf};
 use crate::engine::error::Result;
 use crate::engine::stage::{Here, Published, Select, Stage};
 use crate::plot::wave_groups::{WaveGroups, csv, draw};
+use crate::sea::envelope::Envelopes;
 use crate::sea::spectrum::Sea;
 use crate::sea::statistics::Statistics;
-use crate::sea::wave_field::Record;
+use crate::sea::wave_field::{Record, WaveFields};
+use crate::sea::wave_group::Groups;
 use crate::stages::axes::SEA;
 use crate::stages::envelope::Envelope;
 use crate::stages::figures::scenes::{Segment, density, find_field, refused};
@@ -60,9 +62,9 @@ impl Stage for Fig1WaveGroups {
     fn run(
         p: &Params,
         (waves, envelopes, groups, statistics): (
-            PiecesOf<'_, WaveSynthesis>,
-            PiecesOf<'_, Envelope>,
-            PiecesOf<'_, GroupDetection>,
+            PiecesOf<'_, WaveFields>,
+            PiecesOf<'_, Envelopes>,
+            PiecesOf<'_, Groups>,
             Arc<Statistics>,
         ),
         _: Here<'_>,

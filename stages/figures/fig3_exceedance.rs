@@ -41,7 +41,7 @@ impl Stage for Fig3Exceedance {
 
     fn run(
         p: &Params,
-        (statistics, probabilities): (Vec<CaseOf<'_, GroupStatistics>>, Vec<CaseOf<'_, Exceedance>>),
+        (statistics, probabilities): (Vec<CaseOf<'_, Statistics>>, Vec<CaseOf<'_, Probabilities>>),
         _: Here<'_>,
     ) -> Result<Published> {
         let mut rows = Vec::new();

@@ -4,6 +4,8 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
+use crate::design::response_pool::RandomEstimates;
+use crate::design::sequential::Realisation;
 use crate::design::settings::Case;
 use crate::engine::arrow::{All, One, PiecesOf};
 use crate::engine::error::{Error, Result};
@@ -52,7 +54,11 @@ impl Stage for Fig5VhgpSeq {
 
     fn run(
         p: &Params,
-        (sequential, random, truth): (PiecesOf<'_, VhgpSeq>, PiecesOf<'_, RandomSampling>, Arc<Probabilities>),
+        (sequential, random, truth): (
+            PiecesOf<'_, Realisation>,
+            PiecesOf<'_, RandomEstimates>,
+            Arc<Probabilities>,
+        ),
         _: Here<'_>,
     ) -> Result<Published> {
         let row = p.vhgp_seq.case.iter().find(|row| row.sea == p.case.sea);

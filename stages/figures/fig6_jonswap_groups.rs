@@ -7,7 +7,8 @@ use crate::engine::error::Result;
 use crate::engine::stage::{Here, Published, Select, Stage};
 use crate::plot::jonswap_groups::{JonswapGroups, csv, draw};
 use crate::sea::spectrum::Sea;
-use crate::sea::wave_field::Record;
+use crate::sea::wave_field::{Record, WaveFields};
+use crate::sea::wave_group::Groups;
 use crate::stages::axes::SEA;
 use crate::stages::figures::scenes::{Segment, find_field, refused};
 use crate::stages::group_detection::GroupDetection;
@@ -49,7 +50,7 @@ impl Stage for Fig6JonswapGroups {
 
     fn run(
         p: &Params,
-        (waves, groups): (PiecesOf<'_, WaveSynthesis>, PiecesOf<'_, GroupDetection>),
+        (waves, groups): (PiecesOf<'_, WaveFields>, PiecesOf<'_, Groups>),
         _: Here<'_>,
     ) -> Result<Published> {
         let segment = &p.fig6_jonswap_groups;

@@ -7,6 +7,7 @@ use crate::engine::case::Axis;
 use crate::engine::error::Result;
 use crate::engine::stage::{Here, Published, Stage};
 use crate::plot::csv::{GroupsRow, groups};
+use crate::sea::statistics::Statistics;
 use crate::stages::axes::SEA;
 use crate::stages::group_statistics::GroupStatistics;
 
@@ -26,7 +27,7 @@ impl Stage for Groups {
     type Inputs = (Cases<GroupStatistics>,);
     type Output = Published;
 
-    fn run(_: &Params, (seas,): (Vec<CaseOf<'_, GroupStatistics>>,), _: Here<'_>) -> Result<Published> {
+    fn run(_: &Params, (seas,): (Vec<CaseOf<'_, Statistics>>,), _: Here<'_>) -> Result<Published> {
         let mut rows = Vec::new();
         for sea in &seas {
             let known = sea.get()?;

@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::design::response_pool::RandomEstimates;
+use crate::design::sequential::Realisation;
 use crate::design::settings::Case;
 use crate::engine::arrow::{CaseOf, Cases};
 use crate::engine::case::Axis;
@@ -9,6 +11,7 @@ use crate::engine::error::Result;
 use crate::engine::stage::{Here, Published, Stage};
 use crate::numerics::sums::{mean, standard_deviation};
 use crate::plot::table::{Estimate, Printed, Row, Table, csv, latex, markdown, svg};
+use crate::ship::exceedance::Probabilities;
 use crate::stages::axes::SEA;
 use crate::stages::exceedance::Exceedance;
 use crate::stages::figures::scenes::refused;
@@ -71,9 +74,9 @@ impl Stage for Table1 {
     fn run(
         p: &Params,
         (truth, sequential, random): (
-            Vec<CaseOf<'_, Exceedance>>,
-            Vec<CaseOf<'_, VhgpSeq>>,
-            Vec<CaseOf<'_, RandomSampling>>,
+            Vec<CaseOf<'_, Probabilities>>,
+            Vec<CaseOf<'_, Realisation>>,
+            Vec<CaseOf<'_, RandomEstimates>>,
         ),
         _: Here<'_>,
     ) -> Result<Published> {
@@ -134,7 +137,7 @@ impl Params {
 }
 
 /// The last estimate of every realisation.
-fn sequential_estimates(case: &CaseOf<'_, VhgpSeq>) -> Result<Vec<f64>> {
+fn sequential_estimates(case: &CaseOf<'_, Realisation>) -> Result<Vec<f64>> {
     let pieces: Vec<_> = case.pieces.iter().collect::<Result<_>>()?;
     Ok(pieces
         .iter()
@@ -143,7 +146,7 @@ fn sequential_estimates(case: &CaseOf<'_, VhgpSeq>) -> Result<Vec<f64>> {
 }
 
 /// The estimate after so many samples, of every realisation.
-fn random_estimates(case: &CaseOf<'_, RandomSampling>, samples: u32) -> Result<Vec<f64>> {
+fn random_estimates(case: &CaseOf<'_, RandomEstimates>, samples: u32) -> Result<Vec<f64>> {
     let pieces: Vec<_> = case.pieces.iter().collect::<Result<_>>()?;
     let at = |known: &std::sync::Arc<crate::design::response_pool::RandomEstimates>| {
         let place = known.n_samples.iter().position(|n| *n == samples)?;

@@ -7,6 +7,7 @@ use crate::engine::case::Axis;
 use crate::engine::error::Result;
 use crate::engine::stage::{Here, Published, Stage};
 use crate::plot::csv::{TruthRow, truth};
+use crate::ship::exceedance::Probabilities;
 use crate::stages::axes::{SEA, SHIP};
 use crate::stages::exceedance::Exceedance;
 
@@ -26,7 +27,7 @@ impl Stage for Truth {
     type Inputs = (Cases<Exceedance>,);
     type Output = Published;
 
-    fn run(_: &Params, (cases,): (Vec<CaseOf<'_, Exceedance>>,), _: Here<'_>) -> Result<Published> {
+    fn run(_: &Params, (cases,): (Vec<CaseOf<'_, Probabilities>>,), _: Here<'_>) -> Result<Published> {
         let mut rows = Vec::new();
         for case in &cases {
             rows.extend(case.get()?.counts.iter().map(|counts| TruthRow {

@@ -17,11 +17,12 @@ const MAY_NAME: [(&str, &[&str]); 11] = [
     ("numerics", &[]),
 ];
 
-/// The engine's words that a stage may speak; `stages/mod.rs` also `Node` and `Of`.
-const WORDS: [&str; 14] = [
+/// The engine's words that a stage may speak; `stages/mod.rs` also `Node`, `Pipeline`, `node`.
+const WORDS: [&str; 17] = [
     "All",
     "Artifact",
     "Axis",
+    "CaseOf",
     "Cases",
     "Each",
     "Error",
@@ -30,8 +31,10 @@ const WORDS: [&str; 14] = [
     "Keep",
     "One",
     "Pieces",
+    "PiecesOf",
     "Published",
     "Result",
+    "Select",
     "Stage",
 ];
 
@@ -94,5 +97,5 @@ fn may_name(path: &str, to: &str) -> bool {
 }
 
 fn is_word(path: &str, word: &str) -> bool {
-    WORDS.contains(&word) || (path == "stages/mod.rs" && ["Node", "Of"].contains(&word))
+    WORDS.contains(&word) || (path == "stages/mod.rs" && ["Node", "Pipeline", "node"].contains(&word))
 }

@@ -21,7 +21,11 @@ fn equal_cases_of_one_run_are_made_once() {
     house.set("run.bases=[\"a\", \"c\"]");
     let done = house.run();
     done.expect_success();
-    let squares: Vec<String> = done.ran().into_iter().filter(|piece| piece.starts_with("squares")).collect();
+    let squares: Vec<String> = done
+        .ran()
+        .into_iter()
+        .filter(|piece| piece.starts_with("squares"))
+        .collect();
     // Those of b are there for the pinned figure alone.
     assert_eq!(squares.len(), 6, "{squares:?}");
 }

@@ -58,7 +58,10 @@ fn a_hostile_lock_is_an_error_with_its_line() {
         (after_head("squares/a".to_owned()), 3),
         (after_head(format!("squares/a -1 {hash} {hash} 3")), 3),
         (after_head(format!("squares/a 1 {hash} {hash} -3")), 3),
-        (after_head(format!("squares/a 1 {hash} {hash} 99999999999999999999999")), 3),
+        (
+            after_head(format!("squares/a 1 {hash} {hash} 99999999999999999999999")),
+            3,
+        ),
         (after_head(format!("squares/a 1 {hash} {hash}0 3")), 3),
         (after_head(format!("squares/a 1 {} {hash} 3", "g".repeat(64))), 3),
         (after_head(format!("squares/a 1 {} {hash} 3", "é".repeat(32))), 3),
@@ -68,7 +71,10 @@ fn a_hostile_lock_is_an_error_with_its_line() {
     for (text, line) in bad {
         let error = Lock::parse(&text).expect_err("a refusal");
         let message = error.to_string();
-        assert!(message.starts_with(&format!("the lock, line {line} is damaged: ")), "{text}: {message}");
+        assert!(
+            message.starts_with(&format!("the lock, line {line} is damaged: ")),
+            "{text}: {message}"
+        );
         assert_eq!(error.exit_code(), 5);
     }
     // Cut anywhere, it is an error or a shorter lock: never a panic.
@@ -84,14 +90,25 @@ fn a_path_in_a_lock_never_leaves_the_figures_folder() {
     let house = House::new();
     let mut lock = house.run().locked();
     fs::write(house.path("secret"), "x").expect("a file can be written");
-    for path in ["../secret", "/etc/hostname", "a/../../secret", "./report.csv", "..\\secret", "a//b"] {
+    for path in [
+        "../secret",
+        "/etc/hostname",
+        "a/../../secret",
+        "./report.csv",
+        "..\\secret",
+        "a//b",
+    ] {
         let mut line = lock.lines.last().expect("the lock has files").clone();
         line.name = format!("file {path}");
         lock.lines.push(line);
     }
     let differences = house.against(&lock);
     assert_eq!(differences.len(), 6);
-    assert!(differences.iter().all(|line| line.ends_with("no path within the figures folder")));
+    assert!(
+        differences
+            .iter()
+            .all(|line| line.ends_with("no path within the figures folder"))
+    );
 }
 
 #[test]
@@ -128,7 +145,10 @@ fn a_changed_count_shows_against_the_lock() {
     house.set("numbers.count=29");
     let numbers = house.against(&lock);
     assert_eq!(numbers.len(), 3, "{numbers:?}");
-    assert!(numbers[0].starts_with("numbers: its code, parameters or inputs"), "{numbers:?}");
+    assert!(
+        numbers[0].starts_with("numbers: its code, parameters or inputs"),
+        "{numbers:?}"
+    );
 }
 
 #[test]
@@ -148,12 +168,18 @@ fn nodes_that_came_or_went_show_against_the_lock() {
     let mut house = House::new();
     let mut lock = house.run().locked();
     house.set("run.scales=[\"small\"]");
-    assert_eq!(house.against(&lock), ["report/large: in the lock, but no node of this pipeline"]);
+    assert_eq!(
+        house.against(&lock),
+        ["report/large: in the lock, but no node of this pipeline"]
+    );
     house.edits.clear();
     let gone = lock.lines.remove(0);
     lock.lines.push(lock.lines[0].clone());
     let differences = house.against(&lock);
-    assert!(differences.contains(&"numbers: not in the lock".to_owned()), "{differences:?}");
+    assert!(
+        differences.contains(&"numbers: not in the lock".to_owned()),
+        "{differences:?}"
+    );
     let twice = "squares/a: in the lock, but no node of this pipeline".to_owned();
     assert!(differences.contains(&twice), "{differences:?}");
     assert_eq!(gone.name, "numbers");
@@ -171,7 +197,10 @@ fn two_locks_differ_in_the_order_of_the_first() {
     house.edits.clear();
     house.set("numbers.label=other");
     let relabelled = house.run().locked();
-    assert_eq!(between(&committed, &relabelled), ["numbers: same content, another recipe"]);
+    assert_eq!(
+        between(&committed, &relabelled),
+        ["numbers: same content, another recipe"]
+    );
 }
 
 /// A changed key without a changed key schema, or changed bytes under an old SCHEMA, fail here.
@@ -179,10 +208,17 @@ fn two_locks_differ_in_the_order_of_the_first() {
 fn golden_keys_ids_and_object_bytes() {
     let house = House::new();
     let done = house.run();
-    let pinned: Vec<String> = ["numbers/0", "squares/a/1", "total/a/0", "draws/b/1", "pinned/b/0", "report/large/0"]
-        .iter()
-        .map(|piece| format!("{piece} {} {}", done.known[*piece].0, done.known[*piece].1))
-        .collect();
+    let pinned: Vec<String> = [
+        "numbers/0",
+        "squares/a/1",
+        "total/a/0",
+        "draws/b/1",
+        "pinned/b/0",
+        "report/large/0",
+    ]
+    .iter()
+    .map(|piece| format!("{piece} {} {}", done.known[*piece].0, done.known[*piece].1))
+    .collect();
     assert_eq!(pinned, GOLDEN_KEYS);
     let object = fs::read(house.object(&done.known["total/a/0"].1)).expect("the object is there");
     let hex: String = object.iter().map(|byte| format!("{byte:02x}")).collect();

@@ -16,10 +16,15 @@ fn comments_order_and_the_spelling_of_numbers_do_not_count() {
 #[test]
 fn a_later_layer_wins_key_by_key() {
     let mut params = House::new().params().expect("the parameters are in order");
-    params.layer("over.toml", "[base.a]\noffset = 3\n[base.d]\noffset = 4").expect("TOML");
+    params
+        .layer("over.toml", "[base.a]\noffset = 3\n[base.d]\noffset = 4")
+        .expect("TOML");
     params.set("base.a.offset=5").expect("an assignment");
     let get = |path: &str| params.get(path).and_then(toml::Value::as_integer);
-    assert_eq!((get("base.a.offset"), get("base.d.offset"), get("base.b.offset")), (Some(5), Some(4), Some(2)));
+    assert_eq!(
+        (get("base.a.offset"), get("base.d.offset"), get("base.b.offset")),
+        (Some(5), Some(4), Some(2))
+    );
     let place = |path: &str| params.refuse(path, "no").to_string();
     assert_eq!(place("base.a.offset"), "--set: base.a.offset: no");
     assert_eq!(place("base.d.offset"), "over.toml:4: base.d.offset: no");
@@ -30,17 +35,47 @@ fn a_later_layer_wins_key_by_key() {
 #[test]
 fn every_refusal_names_place_key_expected_found_and_nearest() {
     let cases = [
-        ("base.a.ofset=1", "--set: base.a.ofset: expected a known key, found an unknown one; nearest: `base.a.offset`"),
-        ("bass.a.offset=1", "--set: bass.a.offset: expected a known key, found an unknown one; nearest: `base.a.offset`"),
-        ("case.base=b", "--set: case.base: expected a known key, found an unknown one; nearest: `pinned.base`"),
-        ("base.a.offset=1.5", "--set: base.a.offset: expected a whole number, found floating point `1.5`"),
-        ("base.a.offset=no", "--set: base.a.offset: expected a whole number, found string \"no\""),
-        ("numbers.count=0", "--set: numbers.count: expected a whole number from 1 to 100000000, found 0"),
+        (
+            "base.a.ofset=1",
+            "--set: base.a.ofset: expected a known key, found an unknown one; nearest: `base.a.offset`",
+        ),
+        (
+            "bass.a.offset=1",
+            "--set: bass.a.offset: expected a known key, found an unknown one; nearest: `base.a.offset`",
+        ),
+        (
+            "case.base=b",
+            "--set: case.base: expected a known key, found an unknown one; nearest: `pinned.base`",
+        ),
+        (
+            "base.a.offset=1.5",
+            "--set: base.a.offset: expected a whole number, found floating point `1.5`",
+        ),
+        (
+            "base.a.offset=no",
+            "--set: base.a.offset: expected a whole number, found string \"no\"",
+        ),
+        (
+            "numbers.count=0",
+            "--set: numbers.count: expected a whole number from 1 to 100000000, found 0",
+        ),
         ("run.seed=-1", "--set: run.seed: expected a whole number >= 0, found -1"),
-        ("run.bases=[]", "--set: run.bases: expected a list of names of [base.*] tables (a, b, c), found an empty list"),
-        ("pinned.base=aa", "--set: pinned.base: expected the name of a [base.*] table (a, b, c), found \"aa\"; nearest: `a`"),
-        ("pinned.item=30", "--set: pinned.item: expected a whole number below numbers.count = 30, found 30"),
-        ("numbers.count=3", "toy.toml:26: pinned.item: expected a whole number below numbers.count = 3, found 3"),
+        (
+            "run.bases=[]",
+            "--set: run.bases: expected a list of names of [base.*] tables (a, b, c), found an empty list",
+        ),
+        (
+            "pinned.base=aa",
+            "--set: pinned.base: expected the name of a [base.*] table (a, b, c), found \"aa\"; nearest: `a`",
+        ),
+        (
+            "pinned.item=30",
+            "--set: pinned.item: expected a whole number below numbers.count = 30, found 30",
+        ),
+        (
+            "numbers.count=3",
+            "toy.toml:26: pinned.item: expected a whole number below numbers.count = 3, found 3",
+        ),
         (
             "draws.row=[{base=\"a\",levle=1}]",
             "--set: draws.row[0].levle: expected `base` or `level`, found `levle`; nearest: `level`",
@@ -72,7 +107,10 @@ fn an_empty_unknown_table_is_refused_too() {
 fn a_key_that_is_missing_is_named_at_its_table() {
     let mut house = House::new();
     house.text += "\n[base.d]\n";
-    assert_eq!(house.refusal(), "toy.toml:37: base.d.offset: expected a value, found none");
+    assert_eq!(
+        house.refusal(),
+        "toy.toml:37: base.d.offset: expected a value, found none"
+    );
 }
 
 #[test]
@@ -93,8 +131,14 @@ fn targets_that_do_not_exist_are_refused_with_the_nearest_name() {
     let house = House::new();
     for (target, part) in [
         ("repart", "nearest: `report`"),
-        ("squares/d", "expected a case of squares (a, b, c), found none of them; nearest: `"),
-        ("squares/a/3", "target `squares/a/3`: expected a piece from 0 to 2, found 3"),
+        (
+            "squares/d",
+            "expected a case of squares (a, b, c), found none of them; nearest: `",
+        ),
+        (
+            "squares/a/3",
+            "target `squares/a/3`: expected a piece from 0 to 2, found 3",
+        ),
         ("aside/1", "expected a piece from 0 to 0, found 1"),
         ("", "expected the name of a stage or output"),
     ] {

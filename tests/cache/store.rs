@@ -106,7 +106,10 @@ fn a_damaged_published_object_never_reaches_the_figures() {
     bytes[last] ^= 0x20;
     fs::write(&object, bytes).expect("the object can be damaged");
     let again = house.run();
-    assert_eq!((again.healed(), again.written()), (vec!["report/small/0".to_owned()], Vec::new()));
+    assert_eq!(
+        (again.healed(), again.written()),
+        (vec!["report/small/0".to_owned()], Vec::new())
+    );
     assert_eq!(again.locked(), done.locked());
 }
 
@@ -117,7 +120,12 @@ fn a_damaged_record_is_a_miss() {
     let record = house.record(&before.known["squares/a/1"].0);
     let good = fs::read(&record).expect("the record is there");
     let other = fs::read(house.record(&before.known["squares/a/0"].0)).expect("the record is there");
-    let mut damages = vec![Vec::new(), good[..good.len() / 2].to_vec(), good[..good.len() - 1].to_vec(), other];
+    let mut damages = vec![
+        Vec::new(),
+        good[..good.len() / 2].to_vec(),
+        good[..good.len() - 1].to_vec(),
+        other,
+    ];
     damages.push(b"\xff\xfe not UTF-8".to_vec());
     damages.push(b"{}\n".to_vec());
     damages.extend((0..good.len()).step_by(41).map(|byte| {
@@ -166,7 +174,10 @@ fn an_evicted_output_made_again_is_checked_against_its_record() {
     let (key, id) = before.known["numbers/0"];
     let other = before.known["numbers/1"].1;
     forge(&house.record(&key), &id.to_string(), &other.to_string());
-    let error = house.run().outcome.expect_err("the numbers differ from the forged record");
+    let error = house
+        .run()
+        .outcome
+        .expect_err("the numbers differ from the forged record");
     assert_eq!(error.exit_code(), 4);
     assert_eq!(
         error.to_string(),
@@ -178,6 +189,8 @@ fn an_evicted_output_made_again_is_checked_against_its_record() {
 fn a_store_that_is_no_folder_is_an_error_of_the_store() {
     let house = House::new();
     fs::write(house.path("store"), "a file").expect("a file can be written");
-    let error = encounter::engine::store::Store::open(&house.path("store")).err().expect("a refusal");
+    let error = encounter::engine::store::Store::open(&house.path("store"))
+        .err()
+        .expect("a refusal");
     assert_eq!(error.exit_code(), 5);
 }

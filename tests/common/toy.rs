@@ -145,7 +145,7 @@ impl Stage for Total {
     type Inputs = (All<Squares>,);
     type Output = u64;
 
-    fn run(p: &TotalParams, (squares,): (PiecesOf<'_, Squares>,), _: Here<'_>) -> Result<u64> {
+    fn run(p: &TotalParams, (squares,): (PiecesOf<'_, Vec<u64>>,), _: Here<'_>) -> Result<u64> {
         let mut sum = 0;
         for piece in squares.iter() {
             sum += piece?.iter().sum::<u64>();
@@ -252,7 +252,7 @@ impl Stage for Report {
 
     fn run(
         p: &ReportParams,
-        (totals, draws): (Vec<CaseOf<'_, Total>>, Vec<CaseOf<'_, Draws>>),
+        (totals, draws): (Vec<CaseOf<'_, u64>>, Vec<CaseOf<'_, Vec<u64>>>),
         _: Here<'_>,
     ) -> Result<Published> {
         let mut text = String::new();

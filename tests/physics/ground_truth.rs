@@ -2,7 +2,7 @@
 
 use std::sync::OnceLock;
 
-use crate::physics::roll_twin::{ship, truth};
+use crate::physics::roll_twin::{printed as with_all_epsilon_1, truth};
 use crate::physics::seas::{detection, fields, gaussian, record};
 use encounter::numerics::fourier::WIDTH;
 use encounter::sea::detection::detect;
@@ -40,7 +40,7 @@ fn scenes() -> &'static [Scene; 2] {
 fn printed() -> Ship {
     Ship {
         epsilon_1: vec![0.0],
-        ..ship()
+        ..with_all_epsilon_1()
     }
 }
 

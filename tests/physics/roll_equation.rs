@@ -70,7 +70,6 @@ fn a_ship_refuses_what_is_no_ship() {
         ("\"alpha_1\":0.01", "\"alpha_1\":-1"),
         ("0.13", "0.0"),
         ("cubic", "linear"),
-        ("{\"a", "{\"b\":1,\"a"),
     ] {
         assert!(serde_json::from_str::<Ship>(&good.replace(key, bad)).is_err(), "{bad}");
     }
