@@ -89,8 +89,16 @@ impl ParamsFile {
             let line = format!("value = {text}");
             let mut table: Table =
                 toml::from_str(&line).map_err(|error| usage(&format!("`{text}` ({})", error.message())))?;
-            table.remove("value").ok_or_else(|| usage("no value"))?
+            let value = table.remove("value").ok_or_else(|| usage("no value"))?;
+            if !table.is_empty() {
+                return Err(usage("more than one value"));
+            }
+            value
         };
+        let mut written = Vec::new();
+        if let Value::Table(inner) = &value {
+            collect_leaves(inner, path.trim(), &mut written);
+        }
         let nested = keys.iter().rev().fold(value, |inner, key| {
             Value::Table(Table::from_iter([((*key).to_owned(), inner)]))
         });
@@ -104,6 +112,8 @@ impl ParamsFile {
                 self.origins.insert(path, "--set".to_owned());
             }
         }
+        self.origins
+            .extend(written.into_iter().map(|path| (path, "--set".to_owned())));
         Ok(())
     }
 
@@ -349,6 +359,7 @@ fn plain(message: &str) -> String {
         if let Some((found, expected)) = rest.and_then(|rest| rest.split_once(", expected ")) {
             let expected = match expected {
                 "f64" => "a number",
+                "a sequence" => "a list",
                 "u32" | "u64" | "i64" => "a whole number",
                 other => other,
             };

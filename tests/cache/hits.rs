@@ -135,7 +135,7 @@ fn every_failed_piece_is_listed_and_its_neighbours_are_kept() {
     let expected = [
         "squares/a/1 failed: cannot square item 13",
         "squares/b/1 failed: cannot square item 13",
-        "8 nodes are not done; the others are kept",
+        "9 nodes are not done; the others are kept",
     ];
     assert_eq!(told, expected);
     assert!(done.ran().contains(&"squares/a/0".to_owned()));

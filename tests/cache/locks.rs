@@ -208,27 +208,34 @@ fn two_locks_differ_in_the_order_of_the_first() {
 fn golden_keys_ids_and_object_bytes() {
     let house = House::new();
     let done = house.run();
-    let pinned: Vec<String> = [
-        "numbers/0",
-        "squares/a/1",
-        "total/a/0",
-        "draws/b/1",
-        "pinned/b/0",
-        "report/large/0",
-    ]
-    .iter()
-    .map(|piece| format!("{piece} {} {}", done.known[*piece].0, done.known[*piece].1))
-    .collect();
-    assert_eq!(pinned, GOLDEN_KEYS);
+    let keys_and_ids = |piece: &str| format!("{piece} {} {}", done.known[piece].0, done.known[piece].1);
+    let found: Vec<String> = GOLDEN_PIECES.map(keys_and_ids).into();
     let object = fs::read(house.object(&done.known["total/a/0"].1)).expect("the object is there");
     let hex: String = object.iter().map(|byte| format!("{byte:02x}")).collect();
-    assert_eq!(hex, GOLDEN_OBJECT);
-    let lock = done.locked();
-    let recipe = lock.lines[1].recipe.map(|recipe| recipe.to_string());
-    assert_eq!(recipe.as_deref(), Some(GOLDEN_RECIPE));
+    let recipe = done.locked().lines[1].recipe.expect("a node has a recipe").to_string();
+    assert_eq!(
+        (found, hex.as_str(), recipe.as_str()),
+        (GOLDEN.map(str::to_owned).into(), GOLDEN_OBJECT, GOLDEN_RECIPE)
+    );
 }
 
-const GOLDEN_KEYS: [&str; 6] = ["", "", "", "", "", ""];
+const GOLDEN_PIECES: [&str; 6] = [
+    "numbers/0",
+    "squares/a/1",
+    "total/a/0",
+    "draws/b/1",
+    "pinned/b/0",
+    "report/large/0",
+];
+
+const GOLDEN: [&str; 6] = [
+    "numbers/0 b76fbbfbccff2e24ff400ab4fda83444b98eff825e7b7126cadc0d2a907096dd 4503b7ac1baee37b3b7a4c73879b51b4937938582d4c3b555b9d533f469e73bb",
+    "squares/a/1 755cc1c47f857ba1b9283383aeb46505488a081fe5ed6ace6934658595c54b9a a28665fc078b29e3fa29954e5b33ece88a3c7ae6eff96150619d1c5d53041cef",
+    "total/a/0 c69707cf466fd8063396c95a7f976df60e906a2a8017e05cff57f1f688edf72b d9f183b7c0ceea8ff56533bc7fa93b661aaa973ef23448702a6517d8f8aa4c27",
+    "draws/b/1 1c47e3718e525fb275b43a80c0801f257b98a9a3f64cd26dcfd6b191f2635c01 1d222304204e69019d24e00774a7c7b469275f08e63b4bcd06495cddb86db393",
+    "pinned/b/0 2ea89b10db9383d698feffcbc3a0db57c94003b2bf843e5f3033f2bda9081dd9 157f27483df694a441390338eed26d89ea3b9bcc347c8e620663d9e0ffbe852e",
+    "report/large/0 5974540cf3833281a7a3dadf459858afc9b0579667b3ba7298ec57adce334d61 d7a9f16ffa1ce500f9cc6bbaacdb3b160a02b4aac4503b318ab0bf3dbffdb168",
+];
 
 const GOLDEN_OBJECT: &str = "";
 

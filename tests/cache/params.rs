@@ -99,7 +99,7 @@ fn an_empty_unknown_table_is_refused_too() {
     house.text += "\n[bases]\n";
     assert_eq!(
         house.refusal(),
-        "toy.toml:37: bases: expected a known key, found an unknown one; nearest: `base`"
+        "toy.toml:39: bases: expected a known key, found an unknown one; nearest: `base`"
     );
 }
 
@@ -109,7 +109,7 @@ fn a_key_that_is_missing_is_named_at_its_table() {
     house.text += "\n[base.d]\n";
     assert_eq!(
         house.refusal(),
-        "toy.toml:37: base.d.offset: expected a value, found none"
+        "toy.toml:39: base.d.offset: expected a value, found none"
     );
 }
 

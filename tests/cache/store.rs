@@ -41,7 +41,7 @@ fn heals(damages: impl IntoIterator<Item = Vec<u8>>) {
 }
 
 fn good_object() -> Vec<u8> {
-    let (_, _, object) = house_with_a_reader();
+    let (_house, _, object) = house_with_a_reader();
     fs::read(object).expect("the object is there")
 }
 

@@ -1,4 +1,4 @@
-//! Verbs, JSON, folders and exit codes.
+//! Verbs, JSON, published files and their folders.
 
 use crate::common::program::{Program, keys};
 use serde_json::Value;
@@ -230,15 +230,29 @@ fn verifies(program: &Program, figures: &Path) {
     assert_eq!(program.call(&["verify", "--lock"]).code, 0);
     assert_eq!(program.lock_text(), lock);
 
+    assert_eq!(program.call(&["verify", "--rebuild", "-j", "1"]).code, 0);
     let lock_file = program.path("store/tiny.lock");
+    let line = lock
+        .lines()
+        .find(|line| line.starts_with("cic/printed-S2 "))
+        .expect("a line");
+    let content = line.split_whitespace().nth(3).expect("its content");
+    fs::write(&lock_file, lock.replace(content, &"0".repeat(64))).expect("the lock can be written");
+    let rebuilt = program.call(&["verify", "--rebuild"]);
+    assert_eq!(rebuilt.code, 3, "{}", rebuilt.stderr);
+    assert!(
+        rebuilt.stderr.contains("differs: cic/printed-S2: the lock says 000"),
+        "{}",
+        rebuilt.stderr
+    );
     fs::write(&lock_file, "hostile").expect("the lock can be written");
     assert_eq!(program.call(&["verify", "--lock"]).code, 5);
     fs::remove_file(&lock_file).expect("the lock can be deleted");
     assert_eq!(program.call(&["verify", "--lock"]).code, 5);
 }
 
-/// What makes a run cheap: one sea, one ship, no design.
-const SMALL: [&str; 4] = ["--set", "run.seas=[\"S1\"]", "--set", "run.ships=[\"calibrated\"]"];
+/// What makes a run cheap: one sea and one ship.
+pub(super) const SMALL: [&str; 4] = ["--set", "run.seas=[\"S1\"]", "--set", "run.ships=[\"calibrated\"]"];
 
 #[test]
 fn a_what_if_writes_to_the_custom_folder_and_no_lock() {
@@ -301,110 +315,4 @@ fn sets_come_after_overlays_and_later_overlays_after_earlier_ones() {
     let sea = &program.json(&[&["show", node], options.as_slice()].concat())["params"]["sea"];
     let found = [&sea["significant_wave_height"], &sea["peak_period"], &sea["bandwidth"]];
     assert_eq!(found.map(Value::as_f64), [Some(8.5), Some(12.0), Some(0.05)]);
-}
-
-#[test]
-fn a_stage_that_fails_is_exit_1_and_listed() {
-    let program = Program::new("tiny");
-    let no_groups = ["--set", "detection.smallest_amplitude=1000"];
-    let arguments = [
-        &["run", "table1", "truth", "--json"],
-        SMALL.as_slice(),
-        no_groups.as_slice(),
-    ]
-    .concat();
-    let said = program.call(&arguments);
-    assert_eq!(said.code, 1, "{}", said.stderr);
-    let failed = &said.json()["failed"];
-    assert!(
-        failed[0]
-            .as_str()
-            .is_some_and(|text| text.starts_with("response_pool/calibrated-S1/0: ")),
-        "{failed}"
-    );
-    assert!(said.stderr.contains("no wave group was detected"), "{}", said.stderr);
-    assert!(
-        said.stderr.contains("nodes are not done; the others are kept"),
-        "{}",
-        said.stderr
-    );
-    // The truth is kept: asked for alone, it needs nothing more.
-    let again = program.ran(&[&["truth"], SMALL.as_slice(), no_groups.as_slice()].concat());
-    assert!(again.is_empty(), "{again:?}");
-}
-
-#[test]
-fn a_damaged_object_is_healed_and_counted() {
-    let program = Program::new("tiny");
-    let arguments = [&["groups"], SMALL.as_slice()].concat();
-    assert_eq!(program.call(&[&["run"], arguments.as_slice()].concat()).code, 0);
-    let shown = program.json(&[&["show"], arguments.as_slice()].concat());
-    let id = shown["id"].as_str().expect("an id");
-    let object = program.path("store/objects").join(&id[..2]).join(&id[2..]);
-    let good = fs::read(&object).expect("the object is there");
-    fs::write(&object, &good[..good.len() - 1]).expect("the object can be damaged");
-    let run = program.json(&[&["run"], arguments.as_slice()].concat());
-    assert_eq!(run["healed"].as_array().map(Vec::len), Some(1), "{run}");
-    assert_eq!(run["ran"].as_array().map(Vec::len), Some(0));
-    assert_eq!(fs::read(&object).expect("the object is there"), good);
-}
-
-#[test]
-fn a_stage_that_is_not_reproducible_is_exit_4() {
-    let program = Program::new("tiny");
-    let node = "wave_synthesis/S1";
-    assert_eq!(program.call(&["run", node]).code, 0);
-    let shown = program.json(&["show", node]);
-    let (key, id) = (
-        shown["key"].as_str().expect("a key"),
-        shown["id"].as_str().expect("an id"),
-    );
-    let record = program
-        .path("store/records")
-        .join(&key[..2])
-        .join(format!("{}.json", &key[2..]));
-    let text = fs::read_to_string(&record).expect("the record is there");
-    let (body, _) = text.rsplit_once(",\"check\":\"").expect("a record ends in its check");
-    let body = body.replace(id, &"0".repeat(64));
-    let forged = format!("{body},\"check\":\"{}\"}}\n", blake3::hash(body.as_bytes()).to_hex());
-    fs::write(&record, forged).expect("the record can be written");
-    let said = program.call(&["run", "envelope/S1"]);
-    assert_eq!(said.code, 4, "{}", said.stderr);
-    assert!(
-        said.stderr
-            .contains("wave_synthesis/S1 is not reproducible: recorded 000"),
-        "{}",
-        said.stderr
-    );
-}
-
-#[test]
-fn a_store_that_cannot_be_a_folder_is_exit_5() {
-    let program = Program::new("tiny");
-    program.file("store", "a file");
-    let said = program.call(&["run", "groups"]);
-    assert_eq!(said.code, 5, "{}", said.stderr);
-    assert!(
-        said.stderr.contains("cannot make the store's folder"),
-        "{}",
-        said.stderr
-    );
-}
-
-#[test]
-fn bad_options_are_exit_2() {
-    let program = Program::new("tiny");
-    let bad: [&[&str]; 7] = [
-        &["run", "-j", "0"],
-        &["run", "-j", "many"],
-        &["run", "--no-such-option"],
-        &["walk"],
-        &["show"],
-        &["verify"],
-        &["verify", "--lock", "--rebuild"],
-    ];
-    for arguments in bad {
-        assert_eq!(program.call(arguments).code, 2, "{arguments:?}");
-    }
-    assert!(!program.path("store").exists());
 }
