@@ -22,8 +22,16 @@ pub struct ResponsePool;
 /// Parameters of the pool.
 #[derive(Serialize, Deserialize)]
 pub struct Params {
+    ship: Excitations,
     sea: Sea,
     vhgp_seq: Input,
+}
+
+/// The part of the ship that the design chooses from.
+#[derive(Serialize, Deserialize)]
+pub struct Excitations {
+    /// 1/(m s^2).
+    epsilon_1: Vec<f64>,
 }
 
 /// The part of `[vhgp_seq]` about the design's input.
@@ -49,6 +57,16 @@ impl Stage for ResponsePool {
     type Params = Params;
     type Inputs = (All<Nic>,);
     type Output = Pool;
+
+    fn check(p: &Params) -> std::result::Result<(), String> {
+        let (index, count) = (p.vhgp_seq.epsilon_1_index, p.ship.epsilon_1.len());
+        if (index as usize) < count {
+            return Ok(());
+        }
+        Err(format!(
+            "vhgp_seq.epsilon_1_index: expected a whole number below {count}, the length of `ship.epsilon_1`, found {index}"
+        ))
+    }
 
     fn run(p: &Params, (nic,): (PiecesOf<'_, SampledResponses>,), here: Here<'_>) -> Result<Pool> {
         let (mut epsilon_1, mut points, mut r) = (0.0, Vec::new(), Vec::new());

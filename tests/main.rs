@@ -14,7 +14,11 @@ mod paths;
 mod tokens;
 
 mod architecture;
+mod cache;
+mod cli;
+mod common;
 mod invalidation;
 mod physics;
 mod plots;
+mod reproduction;
 mod toy_tree;

@@ -135,7 +135,7 @@ impl Common {
 
     fn open(&self, targets: &[String]) -> Result<Session> {
         let params = self.params()?;
-        let targets: Vec<Target> = targets.iter().map(|text| target(text)).collect();
+        let targets: Vec<Target> = targets.iter().map(|text| target(text)).collect::<Result<_>>()?;
         let graph = Graph::new(&PIPELINE, &params, &targets)?;
         let ships = params.list(SHIP)?;
         Ok(Session {
@@ -148,15 +148,15 @@ impl Common {
 }
 
 /// Reads a target. All epsilon_1 of a ship lie in one node, so `nic/calibrated-S1-0.002` is `nic/calibrated-S1`.
-fn target(text: &str) -> Target {
-    let mut target = Target::parse(text);
+fn target(text: &str) -> Result<Target> {
+    let mut target = Target::parse(text)?;
     if let Some(case) = &mut target.case
         && let [ship, sea, epsilon_1] = case.split('-').collect::<Vec<_>>().as_slice()
         && epsilon_1.parse::<f64>().is_ok()
     {
         *case = format!("{ship}-{sea}");
     }
-    target
+    Ok(target)
 }
 
 /// What a verb works on.

@@ -22,7 +22,7 @@ pub struct ShowArgs {
 /// A name that is no node, or a node that has not been made.
 pub fn show(args: &ShowArgs) -> Result<()> {
     let session = args.common.open(std::slice::from_ref(&args.node))?;
-    let target = target(&args.node);
+    let target = target(&args.node)?;
     let store = session.open_store()?;
     let silent = |_: &_| {};
     let run = Run::new(&session.graph, &store, &silent);
@@ -37,14 +37,6 @@ pub fn show(args: &ShowArgs) -> Result<()> {
         .ok_or_else(|| Error::Usage(format!("{}: no such node", args.node)))?;
     let it = &session.graph.nodes[node];
     let piece = target.piece.unwrap_or(0);
-    if piece >= it.pieces.len() {
-        let found = format!(
-            "{}: expected a piece from 0 to {}, found {piece}",
-            it.name(),
-            it.pieces.len() - 1
-        );
-        return Err(Error::Usage(found));
-    }
     let record = match run.decide(node, piece) {
         Decision::Cached => run.key(node, piece).and_then(|key| store.record(&key)),
         Decision::WillRun(_) | Decision::MayRun => None,

@@ -56,11 +56,18 @@ pub struct Target {
 
 impl Target {
     /// Reads `STAGE[/CASE[/PIECE]]`; a stage without cases takes `STAGE/PIECE`.
-    pub fn parse(text: &str) -> Self {
+    ///
+    /// # Errors
+    /// More parts than these, or a piece that is no number.
+    pub fn parse(text: &str) -> Result<Self> {
+        let refuse = |found: &str| {
+            let expected = "expected STAGE[/CASE[/PIECE]], such as ground_truth/calibrated-S1/17";
+            Error::Usage(format!("target `{text}`: {expected}, found {found}"))
+        };
         let mut parts = text.split('/');
         let stage = parts.next().unwrap_or_default().to_owned();
         let rest: Vec<&str> = parts.collect();
-        match rest.as_slice() {
+        Ok(match rest.as_slice() {
             [] => Self {
                 stage,
                 case: None,
@@ -78,12 +85,13 @@ impl Target {
                     piece: None,
                 },
             },
-            [case, piece, ..] => Self {
+            [case, piece] => Self {
                 stage,
                 case: Some((*case).to_owned()),
-                piece: piece.parse().ok(),
+                piece: Some(piece.parse().map_err(|_| refuse(&format!("the piece `{piece}`")))?),
             },
-        }
+            more => return Err(refuse(&format!("{} parts", more.len() + 1))),
+        })
     }
 }
 
@@ -152,7 +160,23 @@ impl Graph {
                 all.join(", ")
             )));
         }
-        builder.link(&asked)
+        let graph = builder.link(&asked)?;
+        targets.iter().try_for_each(|target| graph.check_piece(target))?;
+        Ok(graph)
+    }
+
+    /// A piece that a target names exists.
+    fn check_piece(&self, target: &Target) -> Result<()> {
+        let Some((node, piece)) = self.find(target).map(|node| &self.nodes[node]).zip(target.piece) else {
+            return Ok(());
+        };
+        if piece < node.pieces.len() {
+            return Ok(());
+        }
+        let (name, last) = (node.name(), node.pieces.len() - 1);
+        Err(Error::Usage(format!(
+            "target `{name}/{piece}`: expected a piece from 0 to {last}, found {piece}"
+        )))
     }
 
     /// The node case with a name as printed.

@@ -35,6 +35,7 @@ pub trait Node: Sync {
     fn pieces(&self) -> Pieces;
     fn gathers(&self) -> &'static [Axis];
     fn selects(&self) -> &'static [Select];
+    fn items(&self) -> &'static [(&'static str, &'static str)];
     fn keep(&self) -> Keep;
     fn schema(&self) -> &'static str;
     fn is_published(&self) -> bool;
@@ -71,6 +72,9 @@ impl<S: Stage> Node for Of<S> {
     }
     fn selects(&self) -> &'static [Select] {
         S::SELECTS
+    }
+    fn items(&self) -> &'static [(&'static str, &'static str)] {
+        S::ITEMS
     }
     fn keep(&self) -> Keep {
         S::KEEP

@@ -13,6 +13,9 @@ use crate::engine::case::{Axis, Case};
 use crate::engine::decode::Fault;
 use crate::engine::error::{Error, Result};
 
+/// The table of the axis values in a stage's view; no table of the file.
+pub(crate) const CASE: &str = "case";
+
 /// The parameters in force and where each of them was written.
 #[derive(Clone, Debug, Default)]
 pub struct ParamsFile {
@@ -86,8 +89,16 @@ impl ParamsFile {
             let line = format!("value = {text}");
             let mut table: Table =
                 toml::from_str(&line).map_err(|error| usage(&format!("`{text}` ({})", error.message())))?;
-            table.remove("value").ok_or_else(|| usage("no value"))?
+            let value = table.remove("value").ok_or_else(|| usage("no value"))?;
+            if !table.is_empty() {
+                return Err(usage("more than one value"));
+            }
+            value
         };
+        let mut written = Vec::new();
+        if let Value::Table(inner) = &value {
+            collect_leaves(inner, path.trim(), &mut written);
+        }
         let nested = keys.iter().rev().fold(value, |inner, key| {
             Value::Table(Table::from_iter([((*key).to_owned(), inner)]))
         });
@@ -101,6 +112,8 @@ impl ParamsFile {
                 self.origins.insert(path, "--set".to_owned());
             }
         }
+        self.origins
+            .extend(written.into_iter().map(|path| (path, "--set".to_owned())));
         Ok(())
     }
 
@@ -115,8 +128,8 @@ impl ParamsFile {
     pub fn refuse(&self, path: &str, message: &str) -> Error {
         let mut known = path;
         while !self.origins.contains_key(known) {
-            match known.rsplit_once('.') {
-                Some((table, _)) => known = table,
+            match known.rfind(['.', '[']) {
+                Some(end) => known = &known[..end],
                 None => break,
             }
         }
@@ -214,7 +227,7 @@ impl ParamsFile {
         Ok(table.keys().cloned().collect())
     }
 
-    /// The dotted paths of all single values (an array counts as one).
+    /// The dotted paths of all single values (an array counts as one, and so does an empty table).
     pub fn leaves(&self) -> Vec<String> {
         let mut paths = Vec::new();
         collect_leaves(&self.values, "", &mut paths);
@@ -234,12 +247,12 @@ impl ParamsFile {
                 view.insert((*name).to_owned(), value.clone());
             }
         }
-        if tables.contains(&"case") {
+        if tables.contains(&CASE) {
             let values = case
                 .values()
                 .iter()
                 .map(|(table, value)| ((*table).to_owned(), Value::String(value.clone())));
-            view.insert("case".to_owned(), Value::Table(values.collect()));
+            view.insert(CASE.to_owned(), Value::Table(values.collect()));
         }
         for count in counts {
             if let Some(table) = count
@@ -283,7 +296,15 @@ impl ParamsFile {
         let path = real_path(&path, axes, case);
         match missing {
             Some(_) => self.refuse(&path, "expected a value, found none"),
-            None => self.refuse(&path, &plain(&fault.message)),
+            None => {
+                let message = case
+                    .values()
+                    .iter()
+                    .fold(plain(&fault.message), |text, (table, value)| {
+                        text.replace(&format!("`{table}."), &format!("`{table}.{value}."))
+                    });
+                self.refuse(&path, &message)
+            }
         }
     }
 }
@@ -327,16 +348,22 @@ fn plain(message: &str) -> String {
         "invalid type: ",
         "invalid value: ",
         "unknown variant ",
+        "unknown field ",
         "invalid length ",
     ] {
         let rest = message.strip_prefix(prefix);
         if let Some((found, expected)) = rest.and_then(|rest| rest.split_once(", expected ")) {
             let expected = match expected {
                 "f64" => "a number",
+                "a sequence" => "a list",
                 "u32" | "u64" | "i64" => "a whole number",
                 other => other,
             };
-            return format!("expected {expected}, found {found}");
+            let hint = match prefix.starts_with("unknown ") {
+                true => nearest(found.trim_matches('`'), expected.split('`').skip(1).step_by(2)),
+                false => String::new(),
+            };
+            return format!("expected {expected}, found {found}{hint}");
         }
     }
     message.to_owned()
@@ -398,7 +425,7 @@ fn collect_leaves(table: &Table, prefix: &str, paths: &mut Vec<String>) {
             format!("{prefix}.{key}")
         };
         match value {
-            Value::Table(inner) => collect_leaves(inner, &path, paths),
+            Value::Table(inner) if !inner.is_empty() => collect_leaves(inner, &path, paths),
             _ => paths.push(path),
         }
     }

@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use crate::engine::case::{Axis, Case};
 use crate::engine::error::{Error, Result};
 use crate::engine::node::{Decoded, Node};
-use crate::engine::params::{ParamsFile, nearest, real_path, shown};
+use crate::engine::params::{CASE, ParamsFile, nearest, real_path, shown};
 use crate::engine::stage::{Pieces, Select};
 
 /// All nodes in paper order and the axes that their cases run over.
@@ -123,6 +123,7 @@ impl Pipeline {
                 let read: Vec<String> = node
                     .tables()
                     .iter()
+                    .filter(|table| **table != CASE)
                     .map(|table| real_path(table, self.axes, &case))
                     .collect();
                 let ignored: Vec<String> = decoded
@@ -133,9 +134,12 @@ impl Pipeline {
                 unread.retain(|leaf| !is_under(leaf, &read) || is_under(leaf, &ignored));
             }
         }
+        for node in self.contents {
+            check_items(params, *node)?;
+        }
         match unread.first() {
             None => Ok(()),
-            Some(path) => Err(self.unknown(params, path)),
+            Some(path) => Err(self.unknown(params, path, &unread)),
         }
     }
 
@@ -155,13 +159,19 @@ impl Pipeline {
         (0..longest).map(case).collect()
     }
 
-    fn unknown(&self, params: &ParamsFile, path: &str) -> Error {
+    fn unknown(&self, params: &ParamsFile, path: &str, unread: &BTreeSet<String>) -> Error {
         let table = path.rsplit_once('.').map_or("", |(table, _)| table);
         let axis = self
             .axes
             .iter()
             .find(|axis| table.split('.').next() == Some(axis.table));
-        let mut known: BTreeSet<String> = params.leaves().into_iter().filter(|leaf| leaf != path).collect();
+        let leaves = params.leaves().into_iter();
+        let mut known: BTreeSet<String> = leaves.filter(|leaf| !unread.contains(leaf)).collect();
+        if table.is_empty() {
+            // A lone name is rather a table's than a key's.
+            let tables = known.iter().filter_map(|leaf| leaf.split('.').next());
+            known = tables.map(str::to_owned).collect();
+        }
         if let Some(axis) = axis {
             // Keys of one [sea.*] are keys of all of them.
             let prefix = format!("{}.", axis.table);
@@ -185,6 +195,26 @@ fn is_under(path: &str, prefixes: &[String]) -> bool {
         path.strip_prefix(prefix.as_str())
             .is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
     })
+}
+
+/// Keys that number an item stay below their counts.
+fn check_items(params: &ParamsFile, node: &dyn Node) -> Result<()> {
+    for (key, count) in node.items() {
+        let items = params.count(count)?;
+        let found = params.get(key);
+        let number = found.and_then(toml::Value::as_integer);
+        if !number
+            .and_then(|number| u64::try_from(number).ok())
+            .is_some_and(|number| number < items)
+        {
+            let message = format!(
+                "expected a whole number below {count} = {items}, found {}",
+                shown(found)
+            );
+            return Err(params.refuse(key, &message));
+        }
+    }
+    Ok(())
 }
 
 fn pinned(params: &ParamsFile, axis: Axis, path: &str) -> Result<String> {
@@ -221,7 +251,8 @@ fn row_names(params: &ParamsFile, axis: Axis, path: &str) -> Result<Vec<String>>
             .and_then(toml::Value::as_str)
             .ok_or_else(|| refuse(shown(found)))?;
         if !tables.iter().any(|table| table == name) {
-            return Err(refuse(format!("\"{name}\"")));
+            let hint = nearest(name, tables.iter().map(String::as_str));
+            return Err(refuse(format!("\"{name}\"{hint}")));
         }
         if names.iter().any(|earlier| earlier == name) {
             return Err(refuse(format!("\"{name}\" twice")));

@@ -21,6 +21,8 @@ use crate::engine::store::{Found, Store};
 /// Bytes of artifacts held in memory between stages.
 const MEMO_BYTES: usize = 256 << 20;
 
+const MISSING: &str = "its object is missing";
+
 /// Whoever wants to know what happens.
 pub type Listener<'a> = dyn Fn(&Event) + Sync + 'a;
 
@@ -171,10 +173,17 @@ impl<'g> Run<'g> {
         let schema = schema_number(it.node.schema());
         let id = Id::of(crate::engine::codec::CODEC, schema, &bytes);
         let record = self.record(node, piece, key, id, bytes.len() as u64, seconds);
-        if let Some(earlier) = self.store.record(&key).filter(|earlier| earlier.id != record.id) {
+        let earlier = self.store.record(&key);
+        if let Some(earlier) = earlier.as_ref().filter(|earlier| earlier.id != record.id) {
             return Err(self.not_reproducible(node, piece, &earlier.id, &record.id));
         }
+        let healed = earlier.is_some() && !record.evicted && !self.store.has(&id);
         self.store.publish(schema, &bytes, &record)?;
+        if healed {
+            let why = MISSING.to_owned();
+            let node = name.clone();
+            self.tell(&Event::DidHeal { node, piece, why });
+        }
         let length = bytes.len() as u64;
         self.memo.put_bytes(id, Arc::from(bytes));
         let _ = self.known[node][piece].set((id, length));
@@ -254,7 +263,7 @@ impl<'g> Run<'g> {
         let why = match self.store.read(&id, Some(schema)) {
             Found::Bytes(bytes) => return Ok(bytes),
             Found::Missing if evicted => None,
-            Found::Missing => Some("its object is missing".to_owned()),
+            Found::Missing => Some(MISSING.to_owned()),
             Found::Damaged(why) => Some(format!("its object is damaged ({why})")),
         };
         for link in &it.links {

@@ -5,6 +5,7 @@
 
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BinaryHeap};
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 
 use crate::engine::arrow::Kind;
@@ -50,7 +51,10 @@ fn step(run: &Run<'_>, node: usize, piece: usize) -> Result<()> {
             Ok(())
         }
         Decision::WillRun(key) => {
-            let made = run.make(node, piece, key);
+            // A stage that panics must not leave the other workers waiting for it.
+            let made = catch_unwind(AssertUnwindSafe(|| run.make(node, piece, key)));
+            let made =
+                made.unwrap_or_else(|_| Err(Error::stage("it panicked").at(&run.graph.nodes[node].piece_name(piece))));
             if let Err(error) = &made {
                 let node = run.graph.nodes[node].name();
                 run.tell(&Event::DidFail {

@@ -23,6 +23,8 @@ pub trait Stage: 'static {
     const GATHERS: &'static [Axis] = &[];
     /// Axes whose values come from elsewhere than `[run]`.
     const SELECTS: &'static [Select] = &[];
+    /// Keys that number an item, each with the count that it must stay below.
+    const ITEMS: &'static [(&'static str, &'static str)] = &[];
     /// Whether the bytes of the output stay in the store.
     const KEEP: Keep = Keep::Always;
     /// The parameters it reads: a struct whose fields are tables of the parameter file.
@@ -34,7 +36,8 @@ pub trait Stage: 'static {
     /// Name and version of the output's layout, such as `wave-groups/1`.
     const SCHEMA: &'static str;
 
-    /// Rules between parameters that one key alone cannot state; the message reads `key: expected .., found ..`.
+    /// Rules between parameters that one key alone cannot state; the message reads `key: expected .., found ..`,
+    /// other keys in backticks, all of them as the stage reads them.
     ///
     /// # Errors
     /// The first rule that does not hold.

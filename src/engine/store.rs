@@ -68,9 +68,18 @@ impl Store {
 
     /// The record of a key, if there is an undamaged one.
     pub fn record(&self, key: &Key) -> Option<Record> {
-        let text = fs::read_to_string(self.path("records", &key.to_string(), ".json")).ok()?;
+        let path = self.path("records", &key.to_string(), ".json");
+        let waiting = self.waiting(&path);
+        let text = waiting.or_else(|| fs::read_to_string(&path).ok())?;
         let record = Record::parse(&text)?;
         (record.key == key.to_string()).then_some(record)
+    }
+
+    /// The text of a record that still waits for its synchronisation: equal cases share it within one run.
+    fn waiting(&self, path: &Path) -> Option<String> {
+        let pending = self.pending();
+        let found = pending.iter().find(|pending| pending.record == path);
+        found.map(|pending| pending.text.clone())
     }
 
     /// Whether there is a file for an id; its bytes are verified when they are read.

@@ -101,9 +101,15 @@ impl Fitting {
                 let found = kernel.length.len();
                 return Err(format!("fit.{name}.length: expected {dimensions} spans, found {found}"));
             }
-            for span in std::iter::once(&kernel.variance).chain(&kernel.length) {
-                if !(span.from <= span.start && span.start <= span.to) {
-                    return Err(format!("fit.{name}: expected from <= start <= to, found {span:?}"));
+            for (key, span) in
+                std::iter::once(("variance", &kernel.variance)).chain(kernel.length.iter().map(|span| ("length", span)))
+            {
+                let Span { start, from, to } = *span;
+                let ok = from > 0.0 && from <= start && start <= to && to.is_finite();
+                if !ok {
+                    return Err(format!(
+                        "fit.{name}.{key}: expected 0 < from <= start <= to, found from = {from}, start = {start}, to = {to}"
+                    ));
                 }
             }
         }

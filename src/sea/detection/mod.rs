@@ -33,7 +33,7 @@ pub struct Detection {
     /// Scales s = 1, 2, ... of the coarse scale space, 5 to 1024.
     #[serde(deserialize_with = "domain::count")]
     pub scales: u32,
-    /// C_thr: a group has a similarity above this, -1 to 1.
+    /// C_thr: a group has a similarity above this, 0 to below 1.
     #[serde(deserialize_with = "domain::finite")]
     pub similarity_threshold: f64,
     /// A seed is fitted if one minus its relative distance from the envelope is above this, at most 1.
@@ -71,7 +71,12 @@ impl Detection {
             }
             Err(format!("{key}: expected {low} to {high}, found {value}"))
         };
-        within("similarity_threshold", self.similarity_threshold, -1.0, 1.0)?;
+        let threshold = self.similarity_threshold;
+        if !(0.0..1.0).contains(&threshold) {
+            return Err(format!(
+                "similarity_threshold: expected 0 to below 1, found {threshold}"
+            ));
+        }
         within("precheck_threshold", self.precheck_threshold, -1e6, 1.0)?;
         within("longest", self.longest, fit::SHORTEST_FIT, 1e4)?;
         within("shortest", self.shortest, 0.0, self.longest)

@@ -1,0 +1,9 @@
+//! Claims about the cache, asserted on the event log of a toy pipeline.
+
+mod cases;
+mod hits;
+mod locks;
+mod params;
+mod pieces;
+mod seeds;
+mod store;

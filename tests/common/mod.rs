@@ -1,0 +1,319 @@
+//! A toy pipeline in a temporary folder, run in the test's own process; what it did is an event log.
+
+pub(crate) mod program;
+pub(crate) mod toy;
+
+use encounter::engine::error::Error;
+use encounter::engine::event::Event;
+use encounter::engine::graph::{Graph, Target};
+use encounter::engine::id::{Id, Key};
+use encounter::engine::lock::Lock;
+use encounter::engine::params::ParamsFile;
+use encounter::engine::pipeline::Pipeline;
+use encounter::engine::run::Run;
+use encounter::engine::store::Store;
+use encounter::engine::{publish, schedule, verify};
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::sync::Mutex;
+use tempfile::TempDir;
+use toy::{SCALE, TOY};
+
+/// The parameters of the toy pipeline.
+pub(crate) const PARAMS: &str = r#"
+[run]
+seed = 7
+scales = ["small", "large"]
+bases = ["a", "b"]
+[numbers]
+count = 30
+span = 1000
+label = "any"
+[base.a]
+offset = 1
+[base.b]
+offset = 2
+[base.c]
+offset = 1
+[squares]
+fail_at = 1000000
+panic_at = 1000000
+[total]
+modulo = 1000000007
+[draws]
+count = 2
+row = [{ base = "a", level = 10 }, { base = "b", level = 20 }]
+[pinned]
+base = "b"
+item = 3
+[scale.small]
+factor = 1
+[scale.large]
+factor = 100
+[aside]
+value = 5
+fail = false
+[fickle]
+steady = true
+[witness]
+shift = 0
+"#;
+
+/// A store, a figures folder and the parameters in force.
+pub(crate) struct House {
+    folder: TempDir,
+    pub(crate) pipeline: Pipeline,
+    pub(crate) text: String,
+    pub(crate) edits: Vec<String>,
+    pub(crate) workers: usize,
+}
+
+/// What a run did.
+pub(crate) struct Done {
+    pub(crate) events: Vec<Event>,
+    pub(crate) outcome: Result<(), Error>,
+    /// `NODE/PIECE` -> key and id, of every piece that is known.
+    pub(crate) known: BTreeMap<String, (Key, Id)>,
+    /// The lock of a run that succeeded.
+    pub(crate) lock: Option<Lock>,
+}
+
+impl House {
+    pub(crate) fn new() -> Self {
+        Self {
+            folder: tempfile::tempdir().expect("a temporary folder can be made"),
+            pipeline: TOY,
+            text: PARAMS.to_owned(),
+            edits: Vec::new(),
+            workers: 2,
+        }
+    }
+
+    /// The same with the given edits and one run behind it.
+    pub(crate) fn lived_in(edits: &[&str]) -> Self {
+        let mut house = Self::new();
+        for edit in edits {
+            house.set(edit);
+        }
+        house.run().expect_success();
+        house
+    }
+
+    /// Edits one parameter, `table.key=value`.
+    pub(crate) fn set(&mut self, assignment: &str) {
+        self.edits.push(assignment.to_owned());
+    }
+
+    pub(crate) fn path(&self, name: &str) -> PathBuf {
+        self.folder.path().join(name)
+    }
+
+    pub(crate) fn params(&self) -> Result<ParamsFile, Error> {
+        let mut params = ParamsFile::default();
+        params.layer("toy.toml", &self.text)?;
+        self.edits.iter().try_for_each(|edit| params.set(edit))?;
+        Ok(params)
+    }
+
+    pub(crate) fn graph(&self, targets: &[&str]) -> Result<Graph, Error> {
+        let targets: Result<Vec<Target>, Error> = targets.iter().map(|text| Target::parse(text)).collect();
+        Graph::new(&self.pipeline, &self.params()?, &targets?)
+    }
+
+    /// The refusal of the parameters in force.
+    pub(crate) fn refusal(&self) -> String {
+        match self.graph(&[]) {
+            Err(error @ Error::Usage(_)) => error.to_string(),
+            other => panic!("expected a refusal, found {:?}", other.map(|graph| graph.nodes.len())),
+        }
+    }
+
+    pub(crate) fn store(&self) -> Store {
+        Store::open(&self.path("store")).expect("a store can be opened")
+    }
+
+    pub(crate) fn run(&self) -> Done {
+        self.run_targets(&[])
+    }
+
+    pub(crate) fn run_targets(&self, targets: &[&str]) -> Done {
+        self.walk(targets, |_| ())
+    }
+
+    /// Runs, then decodes a piece, `(STAGE, CASE, piece)`.
+    pub(crate) fn value<T: serde::de::DeserializeOwned>(&self, name: &str, piece: usize) -> T {
+        let bytes = Mutex::new(Vec::new());
+        let done = self.walk(&[], |run| {
+            let graph = self.graph(&[]).expect("the parameters are in order");
+            let node = graph.nodes.iter().position(|node| node.name() == name);
+            let node = node.expect("the node exists");
+            *bytes.lock().expect("no panic") = run.bytes(node, piece).expect("the piece is at hand");
+        });
+        done.expect_success();
+        let bytes = bytes.into_inner().expect("no panic");
+        encounter::engine::codec::decode(&bytes).expect("the bytes are of this type")
+    }
+
+    fn walk(&self, targets: &[&str], then: impl Fn(&Run<'_>)) -> Done {
+        let graph = self.graph(targets).expect("the parameters are in order");
+        let store = self.store();
+        let events = Mutex::new(Vec::new());
+        let listener = |event: &Event| events.lock().expect("no panic").push(event.clone());
+        let run = Run::new(&graph, &store, &listener);
+        let mut lock = None;
+        let scales = self.params().and_then(|params| params.list(SCALE)).unwrap_or_default();
+        let outcome = schedule::execute(&run, self.workers).and_then(|()| {
+            let texts = publish::texts(&run, SCALE, &scales)?;
+            publish::publish(&run, &texts, &self.path("figures"))?;
+            lock = Some(Lock::of(&run, "toy", "rustc of the test", &texts)?);
+            Ok(())
+        });
+        if outcome.is_ok() {
+            then(&run);
+        }
+        let mut known = BTreeMap::new();
+        for (i, node) in graph.nodes.iter().enumerate() {
+            for piece in 0..node.pieces.len() {
+                if let Some(found) = run.key(i, piece).zip(run.id(i, piece)) {
+                    known.insert(format!("{}/{piece}", node.name()), found);
+                }
+            }
+        }
+        let events = events.into_inner().expect("no panic");
+        Done {
+            events,
+            outcome,
+            known,
+            lock,
+        }
+    }
+
+    /// What `verify --lock` says of a lock, without the store.
+    pub(crate) fn against(&self, lock: &Lock) -> Vec<String> {
+        let graph = self.graph(&[]).expect("the parameters are in order");
+        let folder = tempfile::tempdir().expect("a temporary folder can be made");
+        let store = Store::open(folder.path()).expect("a store can be opened");
+        let silent = |_: &Event| {};
+        let run = Run::new(&graph, &store, &silent);
+        verify::against_lock(&run, &graph, lock, &self.path("figures"))
+    }
+
+    pub(crate) fn object(&self, id: &Id) -> PathBuf {
+        let hex = id.to_string();
+        self.path("store/objects").join(&hex[..2]).join(&hex[2..])
+    }
+
+    pub(crate) fn record(&self, key: &Key) -> PathBuf {
+        let hex = key.to_string();
+        let name = format!("{}.json", &hex[2..]);
+        self.path("store/records").join(&hex[..2]).join(name)
+    }
+
+    pub(crate) fn files_in(&self, folder: &str) -> Vec<PathBuf> {
+        let mut files = Vec::new();
+        collect(&self.path(folder), &mut files);
+        files.sort();
+        files
+    }
+}
+
+fn collect(folder: &Path, files: &mut Vec<PathBuf>) {
+    for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
+        let path = entry.path();
+        if path.is_dir() {
+            collect(&path, files);
+        } else {
+            files.push(path);
+        }
+    }
+}
+
+impl Done {
+    #[track_caller]
+    pub(crate) fn expect_success(&self) {
+        if let Err(error) = &self.outcome {
+            panic!("{error}");
+        }
+    }
+
+    #[track_caller]
+    pub(crate) fn locked(self) -> Lock {
+        self.expect_success();
+        self.lock.expect("a run that succeeded has a lock")
+    }
+
+    fn told(&self, what: impl Fn(&Event) -> Option<String>) -> Vec<String> {
+        let mut told: Vec<String> = self.events.iter().filter_map(what).collect();
+        told.sort();
+        told
+    }
+
+    /// The pieces that ran, sorted.
+    pub(crate) fn ran(&self) -> Vec<String> {
+        self.told(|event| match event {
+            Event::DidRun { node, piece, .. } => Some(format!("{node}/{piece}")),
+            _ => None,
+        })
+    }
+
+    /// The pieces found in the store, sorted.
+    pub(crate) fn reused(&self) -> Vec<String> {
+        self.told(|event| match event {
+            Event::DidReuse { node, piece } => Some(format!("{node}/{piece}")),
+            _ => None,
+        })
+    }
+
+    /// The pieces that were healed, sorted.
+    pub(crate) fn healed(&self) -> Vec<String> {
+        self.told(|event| match event {
+            Event::DidHeal { node, piece, .. } => Some(format!("{node}/{piece}")),
+            _ => None,
+        })
+    }
+
+    /// The pieces that failed, sorted.
+    pub(crate) fn failed(&self) -> Vec<String> {
+        self.told(|event| match event {
+            Event::DidFail { node, piece, .. } => Some(format!("{node}/{piece}")),
+            _ => None,
+        })
+    }
+
+    /// The published files that were written, sorted.
+    pub(crate) fn written(&self) -> Vec<String> {
+        self.told(|event| match event {
+            Event::DidPublish {
+                path, written: true, ..
+            } => Some(path.clone()),
+            _ => None,
+        })
+    }
+}
+
+/// Every piece of the toy pipeline, sorted.
+pub(crate) const EVERYTHING: &[&str] = &[
+    "aside/0",
+    "draws/a/0",
+    "draws/a/1",
+    "draws/b/0",
+    "draws/b/1",
+    "echo/0",
+    "fickle/0",
+    "numbers/0",
+    "numbers/1",
+    "numbers/2",
+    "pinned/b/0",
+    "report/large/0",
+    "report/small/0",
+    "squares/a/0",
+    "squares/a/1",
+    "squares/a/2",
+    "squares/b/0",
+    "squares/b/1",
+    "squares/b/2",
+    "total/a/0",
+    "total/b/0",
+    "witness/0",
+];

@@ -1,0 +1,103 @@
+//! The real binary in a temporary store and figures folder.
+
+use serde_json::Value;
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use tempfile::TempDir;
+
+/// A folder for a store, figures and overlays, and the options that every call gets.
+pub(crate) struct Program {
+    folder: TempDir,
+    pub(crate) profile: &'static str,
+}
+
+/// What the binary said.
+pub(crate) struct Said {
+    pub(crate) code: i32,
+    pub(crate) stdout: String,
+    pub(crate) stderr: String,
+}
+
+impl Program {
+    pub(crate) fn new(profile: &'static str) -> Self {
+        let folder = tempfile::tempdir().expect("a temporary folder can be made");
+        Self { folder, profile }
+    }
+
+    pub(crate) fn path(&self, name: &str) -> PathBuf {
+        self.folder.path().join(name)
+    }
+
+    /// Writes a file beside the store; gives its path.
+    pub(crate) fn file(&self, name: &str, text: impl AsRef<[u8]>) -> String {
+        let path = self.path(name);
+        fs::write(&path, text).expect("a file can be written");
+        path.display().to_string()
+    }
+
+    /// Calls a verb with its arguments, in this store and with this profile.
+    pub(crate) fn call(&self, arguments: &[&str]) -> Said {
+        let output = Command::new(env!("CARGO_BIN_EXE_encounter"))
+            .current_dir(Path::new(env!("CARGO_MANIFEST_DIR")))
+            .args(arguments)
+            .args(["--profile", self.profile, "--store"])
+            .arg(self.path("store"))
+            .output()
+            .expect("the binary runs");
+        Said {
+            code: output.status.code().expect("the process is not killed"),
+            stdout: String::from_utf8(output.stdout).expect("the answer is text"),
+            stderr: String::from_utf8(output.stderr).expect("errors are text"),
+        }
+    }
+
+    /// Calls a verb with `--json`, which must succeed.
+    #[track_caller]
+    pub(crate) fn json(&self, arguments: &[&str]) -> Value {
+        let said = self.call(&[arguments, &["--json"]].concat());
+        assert_eq!(said.code, 0, "{arguments:?}: {}", said.stderr);
+        said.json()
+    }
+
+    /// Runs with some arguments: node -> pieces that ran.
+    #[track_caller]
+    pub(crate) fn ran(&self, arguments: &[&str]) -> BTreeMap<String, BTreeSet<u64>> {
+        let answer = self.json(&[&["run"], arguments].concat());
+        let mut ran: BTreeMap<String, BTreeSet<u64>> = BTreeMap::new();
+        for piece in answer["ran"].as_array().expect("a list") {
+            let node = piece["node"].as_str().expect("a name").to_owned();
+            let number = piece["piece"].as_u64().expect("a number");
+            assert!(ran.entry(node).or_default().insert(number), "{piece} ran twice");
+        }
+        ran
+    }
+
+    pub(crate) fn lock_text(&self) -> String {
+        let path = self.path("store").join(format!("{}.lock", self.profile));
+        fs::read_to_string(path).expect("a complete run writes its lock")
+    }
+}
+
+impl Said {
+    #[track_caller]
+    pub(crate) fn json(&self) -> Value {
+        let value: Value = serde_json::from_str(&self.stdout).expect("one JSON object");
+        assert_eq!(value["format"], 1);
+        value
+    }
+}
+
+/// The keys of a JSON object, sorted.
+pub(crate) fn keys(value: &Value) -> Vec<&str> {
+    let object = value.as_object().expect("an object");
+    let mut keys: Vec<&str> = object.keys().map(String::as_str).collect();
+    keys.sort_unstable();
+    keys
+}
+
+/// The stages of some nodes.
+pub(crate) fn stages(ran: &BTreeMap<String, BTreeSet<u64>>) -> BTreeSet<&str> {
+    ran.keys().map(|node| node.split('/').next().unwrap_or(node)).collect()
+}

@@ -1,0 +1,146 @@
+//! The whole paper, small, on the real binary: the same bits at any number of threads, and no more work than needed.
+
+use crate::common::program::{Program, stages};
+use encounter::engine::lock::Lock;
+use encounter::engine::verify::between;
+use std::collections::BTreeSet;
+use std::path::Path;
+
+/// The lock of a whole run in an empty store.
+fn lock_of(profile: &'static str, workers: &str) -> Lock {
+    let program = Program::new(profile);
+    let said = program.call(&["run", "-j", workers]);
+    assert_eq!(said.code, 0, "{}", said.stderr);
+    Lock::parse(&program.lock_text()).expect("our own lock")
+}
+
+fn committed(profile: &str) -> Lock {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("artifacts/{profile}.lock"));
+    let text = std::fs::read_to_string(&path).unwrap_or_else(|why| {
+        let path = path.display();
+        panic!("{path}: {why}; `encounter run --profile {profile}` writes it, and it is committed")
+    });
+    Lock::parse(&text).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
+}
+
+const NOTHING: [&str; 0] = [];
+
+#[test]
+fn tiny_is_the_same_on_one_and_two_threads() {
+    let (one, two) = (lock_of("tiny", "1"), lock_of("tiny", "2"));
+    assert_eq!(between(&one, &two), NOTHING);
+    assert_eq!(one, two);
+}
+
+#[test]
+fn tiny_is_the_committed_one() {
+    assert_eq!(between(&committed("tiny"), &lock_of("tiny", "3")), NOTHING);
+}
+
+#[test]
+fn quick_is_the_committed_one_on_one_and_two_threads() {
+    let committed = committed("quick");
+    for workers in ["2", "1"] {
+        assert_eq!(between(&committed, &lock_of("quick", workers)), NOTHING, "-j {workers}");
+    }
+}
+
+#[test]
+fn no_more_runs_than_an_edit_needs() {
+    let program = Program::new("tiny");
+    assert!(program.ran(&[]).len() > 50);
+
+    let damping = program.ran(&["--set", "ship.calibrated.alpha_1=0.012"]);
+    let ran = stages(&damping);
+    for untouched in [
+        "wave_synthesis",
+        "envelope",
+        "group_detection",
+        "group_statistics",
+        "group_sample",
+        "groups",
+    ] {
+        assert!(!ran.contains(untouched), "{untouched} in {ran:?}");
+    }
+    for touched in [
+        "ground_truth",
+        "roll_ensemble",
+        "cic",
+        "pic",
+        "nic",
+        "nic_groups",
+        "vhgp_seq",
+        "table1",
+    ] {
+        assert!(ran.contains(touched), "{touched} not in {ran:?}");
+    }
+    assert!(damping.keys().all(|node| !node.contains("printed")), "{damping:?}");
+
+    let more = program.ran(&["--set", "vhgp_seq.realisations=4"]);
+    let new: BTreeSet<u64> = [1, 2, 3].into();
+    for stage in ["vhgp_seq", "random_sampling"] {
+        for ship in ["calibrated", "printed"] {
+            for sea in ["S1", "S2", "S3", "S4"] {
+                assert_eq!(more[&format!("{stage}/{ship}-{sea}")], new);
+            }
+        }
+    }
+    let allowed = BTreeSet::from(["fig5_vhgp_seq", "random_sampling", "table1", "vhgp_seq"]);
+    assert!(stages(&more).is_subset(&allowed), "{more:?}");
+
+    let back = program.ran(&[]);
+    assert!(back.is_empty(), "{back:?}");
+}
+
+#[test]
+fn a_part_of_the_paper_computes_only_what_it_needs() {
+    let program = Program::new("tiny");
+    let overlay = program.file("my.toml", "[run]\nseas = [\"S1\"]\nships = [\"calibrated\"]\n");
+    let ran = program.ran(&["truth", "fig3_exceedance", "--overlay", &overlay]);
+    let expected = [
+        "cic",
+        "envelope",
+        "exceedance",
+        "fig3_exceedance",
+        "ground_truth",
+        "group_detection",
+        "group_sample",
+        "group_statistics",
+        "nic",
+        "nic_groups",
+        "pic",
+        "roll_ensemble",
+        "truth",
+        "wave_synthesis",
+    ];
+    assert_eq!(stages(&ran), BTreeSet::from(expected));
+    let is_own = |node: &String| !node.contains("printed") && ["S2", "S3", "S4"].iter().all(|sea| !node.contains(sea));
+    assert!(ran.keys().all(is_own), "{ran:?}");
+    let mut files: Vec<String> = std::fs::read_dir(program.path("store/figures/custom"))
+        .expect("the custom folder")
+        .map(|entry| entry.expect("an entry").file_name().to_string_lossy().into_owned())
+        .collect();
+    files.sort();
+    assert_eq!(files, ["fig3_exceedance.csv", "fig3_exceedance.svg", "truth.csv"]);
+}
+
+#[test]
+fn figures_of_other_seas_work_where_only_one_is_run() {
+    let program = Program::new("tiny");
+    let one_sea = ["--set", "run.seas=[\"S1\"]", "--set", "run.ships=[\"calibrated\"]"];
+    let figures = ["fig4_response_moments", "fig5_vhgp_seq", "fig6_jonswap_groups"];
+    let ran = program.ran(&[figures.as_slice(), one_sea.as_slice()].concat());
+    for node in [
+        "fig4_response_moments/calibrated-S1",
+        "fig5_vhgp_seq/calibrated-S2",
+        "fig6_jonswap_groups/S4",
+    ] {
+        assert!(ran.contains_key(node), "{node} not in {ran:?}");
+    }
+    // Without --targets too: everything there is, for one sea.
+    let all = program.ran(&one_sea);
+    assert!(all.contains_key("table1/calibrated"), "{all:?}");
+    for figure in figures {
+        assert!(program.path(&format!("store/figures/custom/{figure}.svg")).is_file());
+    }
+}
