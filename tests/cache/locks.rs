@@ -237,6 +237,9 @@ const GOLDEN: [&str; 6] = [
     "report/large/0 5974540cf3833281a7a3dadf459858afc9b0579667b3ba7298ec57adce334d61 d7a9f16ffa1ce500f9cc6bbaacdb3b160a02b4aac4503b318ab0bf3dbffdb168",
 ];
 
-const GOLDEN_OBJECT: &str = "";
+/// Header (magic, codec, schema, length, id) and payload: one u64.
+const GOLDEN_OBJECT: &str = "454e434f554e5431010000000000000061371cd614585dff0800000000000000\
+    d9f183b7c0ceea8ff56533bc7fa93b661aaa973ef23448702a6517d8f8aa4c27\
+    3bdca80000000000";
 
-const GOLDEN_RECIPE: &str = "";
+const GOLDEN_RECIPE: &str = "f441630c8d085dc1f606302d4f69c342e50c622d88dcae7008270e31ed4ae167";

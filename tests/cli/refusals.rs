@@ -73,7 +73,10 @@ fn unknown_keys_and_tables() {
             &["@2: vhgp_seq.fit.restart: ", "nearest: `restarts`"],
         ),
         ("[case]\nsea = \"S1\"\n", &["@2: case.sea: ", unknown]),
-        ("[run]\nsead = 1\n", &["@2: run.sead: ", unknown, "nearest: `run.seed`"]),
+        (
+            "[run]\nseeds = 1\n",
+            &["@2: run.seeds: ", unknown, "nearest: `run.seed`"],
+        ),
     ]);
     sets(&[
         (

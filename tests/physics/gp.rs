@@ -285,7 +285,7 @@ fn spans_that_do_not_hold_their_start_are_refused() {
         wrong
             .check(2)
             .expect_err("outside")
-            .starts_with("fit.k_g: expected from <= start <= to")
+            .starts_with("fit.k_g.variance: expected 0 < from <= start <= to")
     );
     assert!(
         fitting()
