@@ -294,18 +294,13 @@ impl ParamsFile {
             };
         }
         let path = real_path(&path, axes, case);
-        match missing {
-            Some(_) => self.refuse(&path, "expected a value, found none"),
-            None => {
-                let message = case
-                    .values()
-                    .iter()
-                    .fold(plain(&fault.message), |text, (table, value)| {
-                        text.replace(&format!("`{table}."), &format!("`{table}.{value}."))
-                    });
-                self.refuse(&path, &message)
-            }
+        if missing.is_some() {
+            return self.refuse(&path, "expected a value, found none");
         }
+        let named = |text: String, (table, value): &(&str, String)| {
+            text.replace(&format!("`{table}."), &format!("`{table}.{value}."))
+        };
+        self.refuse(&path, &case.values().iter().fold(plain(&fault.message), named))
     }
 }
 
@@ -359,9 +354,10 @@ fn plain(message: &str) -> String {
                 "u32" | "u64" | "i64" => "a whole number",
                 other => other,
             };
-            let hint = match prefix.starts_with("unknown ") {
-                true => nearest(found.trim_matches('`'), expected.split('`').skip(1).step_by(2)),
-                false => String::new(),
+            let hint = if prefix.starts_with("unknown ") {
+                nearest(found.trim_matches('`'), expected.split('`').skip(1).step_by(2))
+            } else {
+                String::new()
             };
             return format!("expected {expected}, found {found}{hint}");
         }

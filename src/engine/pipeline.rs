@@ -203,10 +203,8 @@ fn check_items(params: &ParamsFile, node: &dyn Node) -> Result<()> {
         let items = params.count(count)?;
         let found = params.get(key);
         let number = found.and_then(toml::Value::as_integer);
-        if !number
-            .and_then(|number| u64::try_from(number).ok())
-            .is_some_and(|number| number < items)
-        {
+        let number = number.and_then(|number| u64::try_from(number).ok());
+        if number.is_none_or(|number| number >= items) {
             let message = format!(
                 "expected a whole number below {count} = {items}, found {}",
                 shown(found)

@@ -211,7 +211,8 @@ fn golden_keys_ids_and_object_bytes() {
     let keys_and_ids = |piece: &str| format!("{piece} {} {}", done.known[piece].0, done.known[piece].1);
     let found: Vec<String> = GOLDEN_PIECES.map(keys_and_ids).into();
     let object = fs::read(house.object(&done.known["total/a/0"].1)).expect("the object is there");
-    let hex: String = object.iter().map(|byte| format!("{byte:02x}")).collect();
+    let digits: Vec<String> = object.iter().map(|byte| format!("{byte:02x}")).collect();
+    let hex = digits.concat();
     let recipe = done.locked().lines[1].recipe.expect("a node has a recipe").to_string();
     assert_eq!(
         (found, hex.as_str(), recipe.as_str()),

@@ -8,7 +8,7 @@ use encounter::engine::pipeline::Pipeline;
 fn numbers(pipeline: Pipeline, count: usize, batch: usize, edits: &[&str]) -> Vec<u64> {
     let mut house = House::new();
     house.pipeline = pipeline;
-    house.text = "[run]\nseed = 7\n[numbers]\nspan = 1000000\nlabel = \"any\"\n".to_owned();
+    "[run]\nseed = 7\n[numbers]\nspan = 1000000\nlabel = \"any\"\n".clone_into(&mut house.text);
     house.set(&format!("numbers.count={count}"));
     edits.iter().for_each(|edit| house.set(edit));
     let all: Vec<u64> = (0..count.div_ceil(batch))
