@@ -15,7 +15,7 @@ use toml::Value;
 /// A parameter that does not decode: its path within the view, and what serde says of it.
 #[derive(Debug)]
 pub struct Fault {
-    /// Keys joined by dots; empty for the view itself.
+    /// Keys joined by dots, places in lists in brackets; empty for the view itself.
     pub(crate) path: String,
     /// Serde's words.
     pub(crate) message: String,
@@ -33,10 +33,22 @@ pub(crate) fn decode<T: DeserializeOwned>(table: toml::Table) -> Result<(T, Vec<
     match result {
         Ok(decoded) => Ok((decoded, trail.ignored)),
         Err(error) => Err(Fault {
-            path: trail.path.join("."),
+            path: joined(&trail.path),
             message: error.to_string(),
         }),
     }
+}
+
+/// `vhgp_seq.case[0].sea` of its steps.
+fn joined(steps: &[String]) -> String {
+    let mut path = String::new();
+    for step in steps {
+        if !path.is_empty() && !step.starts_with('[') {
+            path.push('.');
+        }
+        path.push_str(step);
+    }
+    path
 }
 
 /// The way from the view to the value being decoded; after a fault it ends at the fault.
@@ -71,10 +83,20 @@ impl<'de> Deserializer<'de> for Traced<'_> {
             Value::Integer(number) => visitor.visit_i64(*number),
             Value::Float(number) => visitor.visit_f64(*number),
             Value::Boolean(truth) => visitor.visit_bool(*truth),
-            Value::Array(values) => visitor.visit_seq(Elements {
-                of: self,
-                rest: values.iter().enumerate(),
-            }),
+            Value::Array(values) => {
+                let mut rest = values.iter().enumerate();
+                let decoded = visitor.visit_seq(Elements {
+                    of: self,
+                    rest: &mut rest,
+                })?;
+                match rest.next() {
+                    None => Ok(decoded),
+                    Some((read, _)) => Err(Error::invalid_length(
+                        values.len(),
+                        &format!("{read} elements").as_str(),
+                    )),
+                }
+            }
             Value::Table(table) => visitor.visit_map(Entries {
                 of: self,
                 rest: table.iter(),
@@ -113,7 +135,7 @@ impl<'de> Deserializer<'de> for Traced<'_> {
 
     fn deserialize_ignored_any<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Error> {
         let mut trail = self.trail.borrow_mut();
-        let path = trail.path.join(".");
+        let path = joined(&trail.path);
         trail.ignored.push(path);
         visitor.visit_unit()
     }
@@ -124,16 +146,16 @@ impl<'de> Deserializer<'de> for Traced<'_> {
     }
 }
 
-struct Elements<'a> {
+struct Elements<'a, 'r> {
     of: Traced<'a>,
-    rest: std::iter::Enumerate<std::slice::Iter<'a, Value>>,
+    rest: &'r mut std::iter::Enumerate<std::slice::Iter<'a, Value>>,
 }
 
-impl<'de> SeqAccess<'de> for Elements<'_> {
+impl<'de> SeqAccess<'de> for Elements<'_, '_> {
     type Error = Error;
 
     fn next_element_seed<S: DeserializeSeed<'de>>(&mut self, seed: S) -> Result<Option<S::Value>, Error> {
-        let step = |(place, value): (usize, _)| self.of.step(place.to_string(), value, seed);
+        let step = |(place, value): (usize, _)| self.of.step(format!("[{place}]"), value, seed);
         self.rest.next().map(step).transpose()
     }
 }
@@ -149,8 +171,13 @@ impl<'de> MapAccess<'de> for Entries<'_> {
 
     fn next_key_seed<S: DeserializeSeed<'de>>(&mut self, seed: S) -> Result<Option<S::Value>, Error> {
         self.value = self.rest.next();
-        let key = self.value.map(|(key, _)| StrDeserializer::<Error>::new(key));
-        key.map(|key| seed.deserialize(key)).transpose()
+        let Some((key, _)) = self.value else { return Ok(None) };
+        let decoded = seed.deserialize(StrDeserializer::<Error>::new(key));
+        if decoded.is_err() {
+            // A key that is refused is where the fault lies.
+            self.of.trail.borrow_mut().path.push(key.clone());
+        }
+        decoded.map(Some)
     }
 
     fn next_value_seed<S: DeserializeSeed<'de>>(&mut self, seed: S) -> Result<S::Value, Error> {

@@ -120,6 +120,11 @@ impl Pipeline {
             }
             for case in self.covering_cases(axes, &tables) {
                 let decoded = self.decode(params, *node, &case)?;
+                // The leaves tell of no key within a list, so that one is refused here.
+                if let Some(path) = decoded.ignored.iter().find(|path| path.contains('[')) {
+                    let path = real_path(path, self.axes, &case);
+                    return Err(params.refuse(&path, "expected a known key, found an unknown one"));
+                }
                 let read: Vec<String> = node
                     .tables()
                     .iter()

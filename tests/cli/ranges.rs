@@ -210,6 +210,18 @@ fn rows_of_the_sequential_design() {
             &["vhgp_seq.domain[0]: expected two ascending numbers, found [1, 0.5]"],
         ),
         (
+            "moments.half_width=[0.1, 0.2, 0.3]",
+            &["--set: moments.half_width: expected 2 elements, found 3"],
+        ),
+        (
+            "moments.half_width=[0.1]",
+            &["--set: moments.half_width: expected an array of length 2, found 1"],
+        ),
+        (
+            "vhgp_seq.fit.k_f.length=[{start = 1.0, from = 0.2, to = 20.0}, {start = 0.3, from = 0.05, to = 4.0, top = 5}]",
+            &["--set: vhgp_seq.fit.k_f.length[1].top: expected "],
+        ),
+        (
             "vhgp_seq.fit.k_f.variance={start = 1.0, from = 2.0, to = 3.0}",
             &["--set: vhgp_seq.fit.k_f.variance: expected 0 < from <= start <= to, found from = 2, start = 1, to = 3"],
         ),

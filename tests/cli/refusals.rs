@@ -115,6 +115,14 @@ fn wrong_types() {
             &["@2: vhgp_seq.standardise: expected a boolean, found integer `1`"],
         ),
         (
+            "[run]\nseed = 1979-05-27\n",
+            &["@2: run.seed: expected a whole number >= 0, found 1979-05-27"],
+        ),
+        (
+            "[pic]\nperiods = 1979-05-27\n",
+            &["@2: pic.periods: expected a whole number, found date 1979-05-27"],
+        ),
+        (
             "[moments]\nhalf_width = 0.1\n",
             &["@2: moments.half_width: expected an array of length 2, found "],
         ),
