@@ -2,12 +2,11 @@
 CARGO := $(shell command -v cargo)
 $(if $(CARGO),,$(error cargo not found: install the Rust toolchain from https://rustup.rs, then run make again))
 
-.PHONY: figures quick tiny test verify bench clean
+.PHONY: figures quick tiny test verify clean
 
 figures: ; cargo run --release -- run
 quick:   ; cargo run --release -- run --profile quick
 tiny:    ; cargo run --release -- run --profile tiny
 test:    ; cargo test --release
 verify:  ; cargo run --release -- verify --lock
-bench:   ; cargo bench
 clean:   ; test ! -d artifacts || find artifacts -mindepth 1 -maxdepth 1 ! -name '*.lock' -exec rm -rf {} +

@@ -27,6 +27,8 @@ pub struct Moments {
     pub mean: Vec<f64>,
     /// Population standard deviations of R, rad, as many.
     pub std: Vec<f64>,
+    /// Numbers of responses, as many.
+    pub n: Vec<u64>,
 }
 
 /// One column: a group shape.
@@ -216,14 +218,13 @@ fn legend(figure: &ResponseMoments) -> Vec<Entry> {
 pub fn csv(figure: &ResponseMoments) -> String {
     let header = [
         "ship",
-        "spectrum",
+        "epsilon_1",
         "l_over_tp",
         "a_over_hs",
-        "groups",
-        "epsilon_1",
         "method",
         "mean",
         "std",
+        "n",
     ];
     let mut rows = Vec::new();
     for shape in &figure.shapes {
@@ -231,14 +232,13 @@ pub fn csv(figure: &ResponseMoments) -> String {
             for (i, epsilon_1) in moments.epsilon_1.iter().enumerate() {
                 rows.push([
                     figure.ship.as_str().into(),
-                    figure.spectrum.as_str().into(),
+                    (*epsilon_1).into(),
                     shape.l_over_tp.into(),
                     shape.a_over_hs.into(),
-                    shape.groups.into(),
-                    (*epsilon_1).into(),
                     moments.method.name().into(),
                     moments.mean.get(i).copied().into(),
                     moments.std.get(i).copied().into(),
+                    moments.n.get(i).copied().into(),
                 ]);
             }
         }

@@ -83,10 +83,12 @@ fn add(shape: &mut Shape, point: &Point) {
             epsilon_1: Vec::new(),
             mean: Vec::new(),
             std: Vec::new(),
+            n: Vec::new(),
         });
     }
     let line = &mut shape.moments[place];
     line.epsilon_1.push(point.epsilon_1);
     line.mean.push(moments.mean);
     line.std.push(moments.standard_deviation);
+    line.n.push(moments.n);
 }

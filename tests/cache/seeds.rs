@@ -10,7 +10,9 @@ fn numbers(pipeline: Pipeline, count: usize, batch: usize, edits: &[&str]) -> Ve
     house.pipeline = pipeline;
     "[run]\nseed = 7\n[numbers]\nspan = 1000000\nlabel = \"any\"\n".clone_into(&mut house.text);
     house.set(&format!("numbers.count={count}"));
-    edits.iter().for_each(|edit| house.set(edit));
+    for edit in edits {
+        house.set(edit);
+    }
     let all: Vec<u64> = (0..count.div_ceil(batch))
         .flat_map(|piece| house.value::<Vec<u64>>("numbers", piece))
         .collect();

@@ -255,15 +255,16 @@ impl Stage for Report {
         (totals, draws): (Vec<CaseOf<'_, u64>>, Vec<CaseOf<'_, Vec<u64>>>),
         _: Here<'_>,
     ) -> Result<Published> {
-        let mut text = String::new();
+        let mut lines = Vec::new();
         for total in &totals {
-            text += &format!("{} {}\n", total.case, *total.get()? * p.scale.factor);
+            lines.push(format!("{} {}\n", total.case, *total.get()? * p.scale.factor));
         }
         for draw in &draws {
             for piece in draw.pieces.iter() {
-                text += &format!("{} {:?}\n", draw.case, piece?);
+                lines.push(format!("{} {:?}\n", draw.case, piece?));
             }
         }
+        let text = lines.concat();
         Ok(Published::new(Self::NAME, [("csv", text.clone()), ("md", text)]))
     }
 }

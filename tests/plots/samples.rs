@@ -181,6 +181,7 @@ pub(crate) fn response_moments() -> ResponseMoments {
                 epsilon_1: vec![0.0, 0.002, 0.004],
                 mean: vec![base + shift, base + 0.02 + 0.7 * shift, base + 0.05 + 0.4 * shift],
                 std: vec![std, 1.2 * std, 1.3 * std],
+                n: vec![1234; 3],
             });
             Shape {
                 l_over_tp,
