@@ -2,7 +2,7 @@
 
 use crate::engine::id::{Id, Key};
 
-/// The layout of [`Preimage`]; a release changes it only by saying so.
+/// The layout of a key's preimage; a release changes it only by saying so.
 pub const KEY_SCHEMA: u32 = 1;
 
 /// Everything that a piece depends on.

@@ -1,7 +1,7 @@
 //! THE CACHE: knows no wave and no ship.
 //!
 //! A piece of work runs when, and only when, something it depends on has changed. What it depends on is hashed into a
-//! [`key`](crate::engine::key); a [`record`](crate::engine::record) says which output that key gave; the output is an
+//! [`key`]; a [`record`] says which output that key gave; the output is an
 //! object named by the hash of its own bytes, verified each time it is read.
 //!
 //! | in the key | as |
