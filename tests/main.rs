@@ -20,5 +20,6 @@ mod common;
 mod invalidation;
 mod physics;
 mod plots;
+mod published;
 mod reproduction;
 mod toy_tree;

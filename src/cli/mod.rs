@@ -171,6 +171,10 @@ impl Session {
     fn open_store(&self) -> Result<Store> {
         Store::open(&self.store)
     }
+
+    fn look_at_store(&self) -> Store {
+        Store::look(&self.store)
+    }
 }
 
 fn print_json(value: &serde_json::Value) {

@@ -52,7 +52,8 @@ struct Ledger {
 pub fn run(args: &RunArgs) -> Result<()> {
     let session = args.common.open(&args.target)?;
     if args.dry_run {
-        return status::print(&args.common, &session);
+        status::print(&args.common, &session);
+        return Ok(());
     }
     let store = session.open_store()?;
     let start = Instant::now();

@@ -23,7 +23,7 @@ pub struct ShowArgs {
 pub fn show(args: &ShowArgs) -> Result<()> {
     let session = args.common.open(std::slice::from_ref(&args.node))?;
     let target = target(&args.node)?;
-    let store = session.open_store()?;
+    let store = session.look_at_store();
     let silent = |_: &_| {};
     let run = Run::new(&session.graph, &store, &silent);
     for (node, it) in session.graph.nodes.iter().enumerate() {

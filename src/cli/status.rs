@@ -27,12 +27,13 @@ pub struct StatusArgs {
 /// # Errors
 /// A parameter or store that cannot be used.
 pub fn status(args: &StatusArgs) -> Result<()> {
-    print(&args.common, &args.common.open(&args.target)?)
+    print(&args.common, &args.common.open(&args.target)?);
+    Ok(())
 }
 
 /// Prints the plan of a session.
-pub(super) fn print(common: &Common, session: &Session) -> Result<()> {
-    let store = session.open_store()?;
+pub(super) fn print(common: &Common, session: &Session) {
+    let store = session.look_at_store();
     let nodes = plan(&session.graph, &store);
     let files = files(session, &store, &nodes);
     if common.json {
@@ -42,7 +43,7 @@ pub(super) fn print(common: &Common, session: &Session) -> Result<()> {
             .collect();
         let profile = common.profile.name();
         print_json(&json!({"format": 1, "profile": profile, "nodes": nodes, "files": files}));
-        return Ok(());
+        return;
     }
     for node in &nodes {
         println!("{:<12} {:<42} {}", node.paper, node.node, sentence(node));
@@ -58,7 +59,6 @@ pub(super) fn print(common: &Common, session: &Session) -> Result<()> {
         count(|node| node.will_run),
         count(|node| node.may_run)
     );
-    Ok(())
 }
 
 fn sentence(node: &NodePlan) -> String {

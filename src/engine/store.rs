@@ -45,7 +45,7 @@ pub(crate) enum Found {
 }
 
 impl Store {
-    /// Opens a store, making its folders where they are missing.
+    /// Opens a store for writing, making its folders where they are missing.
     ///
     /// # Errors
     /// A folder that cannot be made.
@@ -54,11 +54,16 @@ impl Store {
             let path = root.join(folder);
             fs::create_dir_all(&path).map_err(Error::io("make the store's folder", path))?;
         }
-        Ok(Self {
+        Ok(Self::look(root))
+    }
+
+    /// Looks at a store without making anything; one that is not there is empty.
+    pub fn look(root: &Path) -> Self {
+        Self {
             root: root.to_owned(),
             pending: Mutex::new(Vec::new()),
             temporaries: AtomicU64::new(0),
-        })
+        }
     }
 
     /// The store's folder.

@@ -1,0 +1,132 @@
+//! The committed outputs: against the prototypes' tables, against themselves, and against what README.md says of them.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::Path;
+
+type Row = BTreeMap<String, String>;
+
+fn read(path: &str) -> String {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(path);
+    fs::read_to_string(&path).unwrap_or_else(|why| panic!("{}: {why}", path.display()))
+}
+
+fn rows(path: &str) -> Vec<Row> {
+    let text = read(path);
+    let mut lines = text.lines();
+    let header: Vec<String> = lines.next().expect("a header").split(',').map(str::to_owned).collect();
+    lines
+        .map(|line| header.iter().cloned().zip(line.split(',').map(str::to_owned)).collect())
+        .collect()
+}
+
+fn number(row: &Row, key: &str) -> f64 {
+    row[key]
+        .parse()
+        .unwrap_or_else(|_| panic!("{key} of {row:?} is no number"))
+}
+
+const SHIPS: [(&str, &str); 2] = [("calibrated", "figures"), ("printed", "figures/printed")];
+
+#[test]
+fn every_probability_of_figure_3_has_its_standard_error() {
+    for (ship, folder) in SHIPS {
+        let rows = rows(&format!("{folder}/fig3_exceedance.csv"));
+        assert_eq!(rows.len(), 4 * 3 * 5 * 49);
+        for row in &rows {
+            assert_eq!(row["ship"], ship);
+            let (p, se, n) = (
+                number(row, "probability"),
+                number(row, "standard_error"),
+                number(row, "n"),
+            );
+            assert!((0.0..=1.0).contains(&p) && n > 0.0, "{row:?}");
+            // Groups of one field are not independent, but not far from it either.
+            let binomial = (p * (1.0 - p) / n).sqrt();
+            assert!(se >= 0.0 && se < 3.0 * binomial + 1e-12, "{row:?}");
+        }
+    }
+}
+
+#[test]
+fn the_printed_ship_without_parametric_excitation_agrees_with_the_prototypes() {
+    // (sea, theta_t, P, standard error of 500 fields); ours has 31,250.
+    let table = [
+        ("S1", "0.3", 0.7865, 0.0035),
+        ("S1", "0.4", 0.4209, 0.0035),
+        ("S1", "0.5", 0.0933, 0.0020),
+        ("S1", "0.6", 0.0067, 0.0006),
+        ("S2", "0.4", 0.783, 0.0031),
+        ("S2", "0.5", 0.511, 0.0033),
+        ("S2", "0.6", 0.2148, 0.0026),
+        ("S2", "0.7", 0.0489, 0.0015),
+        ("S2", "0.8", 0.0058, 0.0006),
+    ];
+    let rows = rows("figures/printed/fig3_exceedance.csv");
+    for (sea, theta_t, p, se) in table {
+        let same = |row: &&Row| {
+            row["spectrum"] == sea && row["epsilon_1"] == "0" && row["theta_t"] == theta_t && row["method"] == "truth"
+        };
+        let row = rows.iter().find(same).expect("the figure has this point");
+        let (ours, our_se) = (number(row, "probability"), number(row, "standard_error"));
+        let allowed = 4.0 * (se * se + our_se * our_se).sqrt();
+        assert!(
+            (ours - p).abs() < allowed,
+            "{sea} P(r > {theta_t}) = {ours}, expected {p} +- {se}"
+        );
+    }
+}
+
+#[test]
+fn nic_on_the_record_follows_the_truth_of_the_calibrated_ship() {
+    let rows = rows("figures/fig3_exceedance.csv");
+    let of = |method: &str| rows.iter().filter(|row| row["method"] == method).collect::<Vec<_>>();
+    let mut compared = 0;
+    for (truth, nic) in of("truth").into_iter().zip(of("nic")) {
+        let (p, q) = (number(truth, "probability"), number(nic, "probability"));
+        if p > 1e-3 && p < 0.5 {
+            assert!((q / p - 1.0).abs() < 0.15, "{truth:?} {nic:?}");
+            compared += 1;
+        }
+    }
+    assert!(compared > 100, "{compared}");
+}
+
+#[test]
+fn random_sampling_scatters_as_the_binomial_law_says() {
+    for (_, folder) in SHIPS {
+        for row in rows(&format!("{folder}/table1.csv")) {
+            let (mean, sd) = (number(&row, "random_mean"), number(&row, "random_std"));
+            let expected = (mean * (1.0 - mean) / 120.0).sqrt();
+            // A standard deviation from 100 realisations is known to 7 %.
+            assert!((sd / expected - 1.0).abs() < 0.28, "{row:?}");
+        }
+    }
+}
+
+#[test]
+fn the_readme_shows_the_committed_table() {
+    let readme = read("README.md");
+    let percent = |row: &Row, mean: &str, sd: &str| 100.0 * number(row, sd) / number(row, mean);
+    for (ship, folder) in SHIPS {
+        for row in rows(&format!("{folder}/table1.csv")) {
+            let line = format!(
+                "| {ship} | {} | {} | {:.4} ± {:.4} | {:.4} | {:.4} ({:.0} %) | {:.4} ({} %) | {:.4} ({:.0} %) | {:.4} ({} %) |",
+                row["spectrum"],
+                row["theta_t"],
+                number(&row, "p_true"),
+                number(&row, "p_true_se"),
+                number(&row, "paper_p_true"),
+                number(&row, "sequential_mean"),
+                percent(&row, "sequential_mean", "sequential_std"),
+                number(&row, "paper_sequential_mean"),
+                row["paper_sequential_std_percent"],
+                number(&row, "random_mean"),
+                percent(&row, "random_mean", "random_std"),
+                number(&row, "paper_random_mean"),
+                row["paper_random_std_percent"],
+            );
+            assert!(readme.contains(&line), "README.md lacks\n{line}");
+        }
+    }
+}
