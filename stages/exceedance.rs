@@ -178,8 +178,8 @@ fn count_truth(
             counts[e].epsilon_1 = piece.epsilon_1[e];
             for field in fields {
                 counts[e].add(field, capsize_angle);
-                times[e].push(field.time_above);
                 if !field.dropped {
+                    times[e].push(field.time_above);
                     levels.add_field(&mut counted[e], &field.r);
                 }
             }

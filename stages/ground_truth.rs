@@ -32,6 +32,27 @@ pub struct Params {
     detection: Longest,
 }
 
+impl Params {
+    /// Keeps a run from outlasting its field many times over.
+    fn check_reach(&self) -> std::result::Result<(), String> {
+        let periods = f64::from(self.record.periods_per_field);
+        let longest = self.detection.longest / f64::from(self.record.envelope_samples_per_period);
+        let most = periods / longest;
+        if self.truth.window > most {
+            let found = self.truth.window;
+            return Err(format!(
+                "truth.window: expected at most {most}, one field about the longest group, found {found}"
+            ));
+        }
+        let most = 1000.0 * periods;
+        if self.record.lead_in > most {
+            let found = self.record.lead_in;
+            return Err(format!("record.lead_in: expected at most {most} s, found {found}"));
+        }
+        Ok(())
+    }
+}
+
 /// The part of `[detection]` that says how far past its field a segment may reach.
 #[derive(Serialize, Deserialize)]
 pub struct Longest {
@@ -50,7 +71,8 @@ impl Stage for GroundTruth {
 
     fn check(p: &Params) -> std::result::Result<(), String> {
         p.ship.check().map_err(|why| format!("ship.{why}"))?;
-        p.truth.check().map_err(|why| format!("truth.{why}"))
+        p.truth.check().map_err(|why| format!("truth.{why}"))?;
+        p.check_reach()
     }
 
     fn run(p: &Params, (waves, groups): (Arc<WaveFields>, Arc<Groups>), _: Here<'_>) -> Result<Truths> {

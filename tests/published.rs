@@ -130,3 +130,8 @@ fn the_readme_shows_the_committed_table() {
         }
     }
 }
+
+#[test]
+fn the_readme_has_no_blanks() {
+    assert!(!read("README.md").contains('@'), "a placeholder is left");
+}

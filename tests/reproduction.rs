@@ -144,3 +144,48 @@ fn figures_of_other_seas_work_where_only_one_is_run() {
         assert!(program.path(&format!("store/figures/custom/{figure}.svg")).is_file());
     }
 }
+
+#[test]
+fn a_pool_of_one_group_ends_its_realisations_at_once() {
+    let program = Program::new("tiny");
+    let said = program.call(&["run", "--set", "estimate.samples=1"]);
+    assert_eq!(said.code, 0, "{}", said.stderr);
+}
+
+#[test]
+fn a_domain_without_groups_is_sampled_by_the_nearest_ones() {
+    let program = Program::new("tiny");
+    let domain = "vhgp_seq.domain=[[5.8,6.0],[1.0,1.1]]";
+    let said = program.call(&["run", "vhgp_seq/calibrated-S2", "--set", domain]);
+    assert_eq!(said.code, 0, "{}", said.stderr);
+}
+
+#[test]
+fn a_truth_whose_fields_are_all_discarded_leaves_cells_empty() {
+    let program = Program::new("tiny");
+    let figures = program.path("figures");
+    let folder = figures.display().to_string();
+    let said = program.call(&["run", "--set", "truth.capsize=discard_field", "--figures", &folder]);
+    assert_eq!(said.code, 0, "{}", said.stderr);
+    let table = std::fs::read_to_string(figures.join("printed/table1.csv")).expect("the table is published");
+    let last = table.lines().last().expect("a row");
+    assert!(last.starts_with("S4,1.05,,,"), "{last}");
+    let truth = std::fs::read_to_string(figures.join("truth.csv")).expect("the counts are published");
+    assert!(truth.contains("printed,S4,0.04,0,0,"), "{truth}");
+}
+
+#[test]
+fn a_run_is_not_refused_for_a_rule_of_what_it_does_not_use() {
+    let program = Program::new("tiny");
+    let one = [
+        "--set",
+        "ship.calibrated.epsilon_1=[0.002]",
+        "--set",
+        "run.ships=[\"calibrated\"]",
+    ];
+    let said = program.call(&[&["run", "truth", "fig3_exceedance"] as &[&str], &one].concat());
+    assert_eq!(said.code, 0, "{}", said.stderr);
+    let said = program.call(&[&["run", "table1"] as &[&str], &one].concat());
+    assert_eq!(said.code, 2, "{}", said.stderr);
+    assert!(said.stderr.contains("vhgp_seq.epsilon_1_index"), "{}", said.stderr);
+}

@@ -6,6 +6,7 @@ pub mod show;
 pub mod status;
 pub mod verify;
 
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -15,6 +16,7 @@ use crate::engine::error::{Error, Result};
 use crate::engine::graph::{Graph, Target};
 use crate::engine::params::ParamsFile;
 use crate::engine::store::Store;
+use crate::numerics::lanes::Level;
 use crate::stages::PIPELINE;
 use crate::stages::axes::SHIP;
 
@@ -177,23 +179,38 @@ impl Session {
     }
 }
 
+/// Prints a line; a reader that has gone, such as `head`, is no error.
+fn say(line: std::fmt::Arguments<'_>) {
+    let _ = writeln!(std::io::stdout(), "{line}");
+}
+
 fn print_json(value: &serde_json::Value) {
-    println!("{value:#}");
+    say(format_args!("{value:#}"));
 }
 
 /// Parses the command line, runs the verb, prints the error; the exit code says which kind it was.
 pub fn main() -> ExitCode {
-    let outcome = match &Cli::parse().verb {
+    let verb = Cli::parse().verb;
+    match forced_level().and_then(|()| act(&verb)) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            progress::tell(&format!("error: {error}"));
+            ExitCode::from(error.exit_code())
+        }
+    }
+}
+
+fn act(verb: &Verb) -> Result<()> {
+    match verb {
         Verb::Run(args) => run::run(args),
         Verb::Status(args) => status::status(args),
         Verb::Show(args) => show::show(args),
         Verb::Verify(args) => verify::verify(args),
-    };
-    match outcome {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("error: {error}");
-            ExitCode::from(error.exit_code())
-        }
     }
+}
+
+/// Refuses a level, forced by the one environment variable there is, that is none or that this CPU lacks.
+fn forced_level() -> Result<()> {
+    let forced = std::env::var("ENCOUNTER_LEVEL").ok();
+    Level::choose(forced.as_deref()).map(|_| ()).map_err(Error::Usage)
 }

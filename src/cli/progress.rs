@@ -1,7 +1,7 @@
 //! Progress: events to a bar per stage with a time estimate on a terminal, to plain lines elsewhere.
 
 use std::collections::BTreeMap;
-use std::io::IsTerminal;
+use std::io::{IsTerminal, Write};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use indicatif::{MultiProgress, ProgressBar, ProgressDrawTarget, ProgressStyle};
@@ -20,6 +20,11 @@ struct State {
     stages: BTreeMap<String, (usize, usize, Option<ProgressBar>)>,
     /// Node -> pieces not yet done, pieces that ran, their seconds.
     nodes: BTreeMap<String, (usize, usize, f64)>,
+}
+
+/// Writes a line to standard error; a reader that has gone is no error.
+pub(super) fn tell(line: &str) {
+    let _ = writeln!(std::io::stderr(), "{line}");
 }
 
 fn stage_of(node: &str) -> &str {
@@ -71,7 +76,7 @@ impl Progress {
             Some(bars) => {
                 let _ = bars.println(text);
             }
-            None => eprintln!("{text}"),
+            None => tell(text),
         }
     }
 
@@ -112,7 +117,7 @@ impl Progress {
         *ran += usize::from(seconds.is_some());
         *total += seconds.unwrap_or(0.0);
         if *left == 0 && *ran > 0 && self.bars.is_none() {
-            eprintln!("{node}: ran {ran} pieces in {total:.2} s");
+            tell(&format!("{node}: ran {ran} pieces in {total:.2} s"));
         }
     }
 }

@@ -9,7 +9,7 @@ use clap::Args;
 use serde_json::json;
 
 use crate::cli::progress::Progress;
-use crate::cli::{Common, Session, print_json, status};
+use crate::cli::{Common, Session, print_json, say, status};
 use crate::engine::code;
 use crate::engine::error::{Error, Result};
 use crate::engine::event::Event;
@@ -85,9 +85,13 @@ pub(super) fn workers(j: Option<u16>) -> usize {
 
 fn execute(args: &RunArgs, session: &Session, store: &Store, listener: &(dyn Fn(&Event) + Sync)) -> Result<()> {
     let run = Run::new(&session.graph, store, listener);
-    schedule::execute(&run, workers(args.j))?;
+    let outcome = schedule::execute(&run, workers(args.j));
+    if !matches!(outcome, Ok(()) | Err(Error::Failures(_))) {
+        return outcome;
+    }
     let texts = publish::texts(&run, SHIP, &session.ships)?;
     publish::publish(&run, &texts, &session.figures)?;
+    outcome?;
     if args.target.is_empty() && !args.common.is_custom() {
         let lock = Lock::of(&run, args.common.profile.name(), code::RUSTC, &texts)?;
         write_lock(args, &lock)?;
@@ -152,16 +156,16 @@ impl Ledger {
     fn print(&self, session: &Session, seconds: f64) {
         self.print_stages(session);
         for healed in &self.healed {
-            println!("healed  {healed}; made again, equal to its record");
+            say(format_args!("healed  {healed}; made again, equal to its record"));
         }
         let written = self.files.iter().filter(|(_, _, written)| *written).count();
-        println!(
+        say(format_args!(
             "ran {} pieces, reused {}, in {seconds:.2} s; {} files in {}, {written} written",
             self.ran.len(),
             self.reused,
             self.files.len(),
             session.figures.display()
-        );
+        ));
     }
 
     /// Time, pieces and bytes of each stage that ran, in paper order.
@@ -176,10 +180,10 @@ impl Ledger {
             let name = node.node.name();
             if let Some((pieces, seconds, bytes)) = of.get(name).filter(|_| !told.contains(&name)) {
                 let megabytes = *bytes as f64 / 1e6;
-                println!(
+                say(format_args!(
                     "{:<12} {name:<22} {pieces:>6} pieces {seconds:>9.2} s {megabytes:>10.2} MB",
                     node.node.paper()
-                );
+                ));
                 told.push(name);
             }
         }

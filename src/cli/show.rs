@@ -3,7 +3,7 @@
 use clap::Args;
 use serde_json::json;
 
-use crate::cli::{Common, print_json, target};
+use crate::cli::{Common, print_json, say, target};
 use crate::engine::error::{Error, Result};
 use crate::engine::run::{Decision, Run};
 
@@ -56,18 +56,18 @@ pub fn show(args: &ShowArgs) -> Result<()> {
         }));
         return Ok(());
     }
-    println!("{}  {}", it.node.paper(), it.piece_name(piece));
-    println!("pieces   {}", it.pieces.len());
-    println!("key      {}", record.key);
-    println!("id       {}", record.id);
-    println!("bytes    {}", record.bytes);
-    println!("seconds  {:.3}", record.seconds);
-    println!("code     {}", record.code);
+    say(format_args!("{}  {}", it.node.paper(), it.piece_name(piece)));
+    say(format_args!("pieces   {}", it.pieces.len()));
+    say(format_args!("key      {}", record.key));
+    say(format_args!("id       {}", record.id));
+    say(format_args!("bytes    {}", record.bytes));
+    say(format_args!("seconds  {:.3}", record.seconds));
+    say(format_args!("code     {}", record.code));
     for input in &record.inputs {
-        println!("input    {input}");
+        say(format_args!("input    {input}"));
     }
-    println!("params   {}", it.params_json());
-    println!("value    {}", shortened(&value.to_string()));
+    say(format_args!("params   {}", it.params_json()));
+    say(format_args!("value    {}", shortened(&value.to_string())));
     Ok(())
 }
 

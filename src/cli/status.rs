@@ -6,7 +6,7 @@ use std::path::Path;
 use clap::Args;
 use serde_json::json;
 
-use crate::cli::{Common, Session, print_json};
+use crate::cli::{Common, Session, print_json, say};
 use crate::engine::error::Result;
 use crate::engine::plan::{NodePlan, plan};
 use crate::engine::publish;
@@ -46,19 +46,19 @@ pub(super) fn print(common: &Common, session: &Session) {
         return;
     }
     for node in &nodes {
-        println!("{:<12} {:<42} {}", node.paper, node.node, sentence(node));
+        say(format_args!("{:<12} {:<42} {}", node.paper, node.node, sentence(node)));
     }
     for (path, state) in files.iter().filter(|(_, state)| *state != "current") {
-        println!("{path}: {state}");
+        say(format_args!("{path}: {state}"));
     }
     let count = |of: fn(&NodePlan) -> usize| nodes.iter().map(of).sum::<usize>();
-    println!(
+    say(format_args!(
         "{} pieces: {} cached, {} will run, {} may run",
         count(|node| node.pieces),
         count(|node| node.cached),
         count(|node| node.will_run),
         count(|node| node.may_run)
-    );
+    ));
 }
 
 fn sentence(node: &NodePlan) -> String {

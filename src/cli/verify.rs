@@ -8,7 +8,7 @@ use serde_json::json;
 
 use crate::cli::progress::Progress;
 use crate::cli::run::workers;
-use crate::cli::{Common, Session, print_json};
+use crate::cli::{Common, Session, print_json, say};
 use crate::engine::code;
 use crate::engine::error::{Error, Result};
 use crate::engine::event::Event;
@@ -61,7 +61,11 @@ pub fn verify(args: &VerifyArgs) -> Result<()> {
             &json!({"format": 1, "lock": path.display().to_string(), "lines": lines, "differences": differences}),
         );
     } else if differences.is_empty() {
-        println!("{}: {} lines, all equal", path.display(), lock.lines.len());
+        say(format_args!(
+            "{}: {} lines, all equal",
+            path.display(),
+            lock.lines.len()
+        ));
     }
     match differences.as_slice() {
         [] => Ok(()),

@@ -96,6 +96,9 @@ pub fn sequential(
     }
 }
 
+/// The largest hypercube that the initial design is picked from, in multiples of n_init.
+const MOST_QUERIES: usize = 64;
+
 /// n_init points of a Latin hypercube where p exceeds `least_density` of its maximum: of a hypercube just large enough,
 /// the first n_init such points.
 fn initial(settings: &VhgpSeq, input: &Input, stream: &mut ChaCha12Rng) -> Vec<[f64; 2]> {
@@ -105,7 +108,8 @@ fn initial(settings: &VhgpSeq, input: &Input, stream: &mut ChaCha12Rng) -> Vec<[
         largest = if *p > largest { *p } else { largest };
     }
     let mut size = wanted;
-    for _ in 0..20 {
+    let mut found = Vec::new();
+    while largest > 0.0 && size <= MOST_QUERIES * wanted {
         let mut points = latin_hypercube(size, input.grid.lower, input.grid.upper, stream);
         points.retain(|x| input.density[input.grid.nearest(x)] > settings.least_density * largest);
         if points.len() >= wanted {
@@ -114,8 +118,12 @@ fn initial(settings: &VhgpSeq, input: &Input, stream: &mut ChaCha12Rng) -> Vec<[
         }
         size += size.max(8) * (wanted - points.len()) / (points.len() + 4);
         size += 1;
+        found = points;
     }
-    latin_hypercube(wanted, input.grid.lower, input.grid.upper, stream)
+    // Hardly any of the domain holds groups: the rest is asked for anywhere, and answered by the nearest ones.
+    let rest = wanted - found.len();
+    found.extend(latin_hypercube(rest, input.grid.lower, input.grid.upper, stream));
+    found
 }
 
 #[derive(Default)]

@@ -138,7 +138,7 @@ impl Graph {
     /// # Errors
     /// A parameter or target that cannot be used.
     pub fn new(pipeline: &Pipeline, params: &ParamsFile, targets: &[Target]) -> Result<Self> {
-        pipeline.check(params)?;
+        let checked = pipeline.check(params)?;
         let mut builder = Builder::new(pipeline, params)?;
         let mut asked = Vec::new();
         for place in 0..pipeline.contents.len() {
@@ -160,6 +160,8 @@ impl Graph {
                 all.join(", ")
             )));
         }
+        let places = builder.wanted.keys().map(|(place, _)| *place).collect();
+        pipeline.check_rules(params, &checked, &places)?;
         let graph = builder.link(&asked)?;
         targets.iter().try_for_each(|target| graph.check_piece(target))?;
         Ok(graph)

@@ -42,6 +42,7 @@ pub trait Node: Sync {
     fn arrows(&self) -> Vec<(Kind, &'static dyn Node)>;
     fn tables(&self) -> &'static [&'static str];
     fn decode_params(&self, view: toml::Table) -> std::result::Result<Decoded, Fault>;
+    fn check_params(&self, decoded: &Decoded) -> std::result::Result<(), Fault>;
     fn run(&self, params: &(dyn Any + Send + Sync), reader: &Reader<'_>, here: Here<'_>) -> Result<Vec<u8>>;
     fn decode(&self, bytes: &[u8]) -> Result<Value>;
     fn published(&self, bytes: &[u8]) -> Result<BTreeMap<String, String>>;
@@ -94,13 +95,6 @@ impl<S: Stage> Node for Of<S> {
 
     fn decode_params(&self, view: toml::Table) -> std::result::Result<Decoded, Fault> {
         let (value, ignored) = decode::<S::Params>(view)?;
-        S::check(&value).map_err(|text| {
-            let (path, message) = text.split_once(": ").unwrap_or(("", &text));
-            Fault {
-                path: path.to_owned(),
-                message: message.to_owned(),
-            }
-        })?;
         let bytes = codec::encode(&value).map_err(|error| Fault {
             path: String::new(),
             // The lines after the first repeat the path.
@@ -110,6 +104,18 @@ impl<S: Stage> Node for Of<S> {
             value: Box::new(value),
             bytes,
             ignored,
+        })
+    }
+
+    fn check_params(&self, decoded: &Decoded) -> std::result::Result<(), Fault> {
+        let value = decoded.value.downcast_ref::<S::Params>();
+        let value = value.expect("a node is handed its own parameters");
+        S::check(value).map_err(|text| {
+            let (path, message) = text.split_once(": ").unwrap_or(("", &text));
+            Fault {
+                path: path.to_owned(),
+                message: message.to_owned(),
+            }
         })
     }
 

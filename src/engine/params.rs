@@ -351,6 +351,7 @@ fn plain(message: &str) -> String {
             let expected = match expected {
                 "f64" => "a number",
                 "a sequence" => "a list",
+                structure if structure.starts_with("struct ") => "a table",
                 "u32" | "u64" | "i64" => "a whole number",
                 other => other,
             };

@@ -19,6 +19,13 @@ pub struct Pipeline {
     pub optional: &'static [&'static str],
 }
 
+/// The parameters of one stage in one case, each key checked by itself.
+pub(crate) struct Checked {
+    place: usize,
+    case: Case,
+    decoded: Decoded,
+}
+
 impl Pipeline {
     /// The place of a stage in the contents.
     pub fn place(&self, name: &str) -> Option<usize> {
@@ -90,11 +97,11 @@ impl Pipeline {
             .map_err(|fault| params.fault(&fault, self.axes, case))
     }
 
-    /// Checks every table and key, also those that this run will not use.
+    /// Checks every key by itself, also those that this run will not use; gives what was decoded on the way.
     ///
     /// # Errors
     /// The first key that is unknown, of a wrong type or out of range.
-    pub fn check(&self, params: &ParamsFile) -> Result<()> {
+    pub(crate) fn check(&self, params: &ParamsFile) -> Result<Vec<Checked>> {
         params.seed()?;
         for count in self.counts() {
             params.count(count)?;
@@ -110,8 +117,8 @@ impl Pipeline {
             params.list(*axis)?;
             tables.push(params.tables(*axis)?);
         }
-        let axes_of_all = self.axes_of_all();
-        for (node, axes) in self.contents.iter().zip(&axes_of_all) {
+        let mut checked = Vec::new();
+        for (place, (node, axes)) in self.contents.iter().zip(&self.axes_of_all()).enumerate() {
             for select in node.selects() {
                 if let Select::At(axis, path) = select {
                     pinned(params, *axis, path)?;
@@ -137,15 +144,28 @@ impl Pipeline {
                     .map(|path| real_path(path, self.axes, &case))
                     .collect();
                 unread.retain(|leaf| !is_under(leaf, &read) || is_under(leaf, &ignored));
+                checked.push(Checked { place, case, decoded });
             }
         }
-        for node in self.contents {
-            check_items(params, *node)?;
-        }
         match unread.first() {
-            None => Ok(()),
+            None => Ok(checked),
             Some(path) => Err(self.unknown(params, path, &unread)),
         }
+    }
+
+    /// Checks the rules between keys, for the stages at some places: a run is not refused for what it does not use.
+    ///
+    /// # Errors
+    /// The first rule that does not hold.
+    pub(crate) fn check_rules(&self, params: &ParamsFile, checked: &[Checked], places: &BTreeSet<usize>) -> Result<()> {
+        for Checked { place, case, decoded } in checked.iter().filter(|checked| places.contains(&checked.place)) {
+            let node = self.contents[*place];
+            node.check_params(decoded)
+                .map_err(|fault| params.fault(&fault, self.axes, case))?;
+        }
+        places
+            .iter()
+            .try_for_each(|place| check_items(params, self.contents[*place]))
     }
 
     /// Cases that together take every table of every axis at least once.

@@ -35,7 +35,11 @@ pub fn layout(graph: &Graph, axis: Axis, values: &[String]) -> Vec<(usize, Strin
 /// An artifact that cannot be read or made again.
 pub fn texts(run: &Run<'_>, axis: Axis, values: &[String]) -> Result<BTreeMap<String, String>> {
     let mut texts = BTreeMap::new();
-    for (node, prefix) in layout(run.graph, axis, values) {
+    // A node that failed, or that another's failure kept from running, publishes nothing.
+    for (node, prefix) in layout(run.graph, axis, values)
+        .into_iter()
+        .filter(|(node, _)| run.content(*node).is_some())
+    {
         let bytes = run.bytes(node, 0)?;
         for (name, text) in run.graph.nodes[node].node.published(&bytes)? {
             texts.insert(format!("{prefix}{name}"), text);

@@ -43,7 +43,7 @@ pub struct Convergence {
     /// Number of realisations behind mean and standard deviation.
     pub realisations: u64,
     /// The truth.
-    pub p_true: f64,
+    pub p_true: Option<f64>,
     /// VHGP-Seq.
     pub sequential: Estimates,
     /// Random sampling.
@@ -108,8 +108,10 @@ pub fn draw(figure: &Convergence) -> Result<String, Error> {
     for (estimates, colour) in both {
         panel.band(&mut sheet, &estimates.shade(), colour, SHADE)?;
     }
-    let ends = [(unlog(&panel, 0.0), figure.p_true), (unlog(&panel, 1.0), figure.p_true)];
-    panel.line(&mut sheet, &ends, TRUTH)?;
+    if let Some(p_true) = figure.p_true {
+        let ends = [(unlog(&panel, 0.0), p_true), (unlog(&panel, 1.0), p_true)];
+        panel.line(&mut sheet, &ends, TRUTH)?;
+    }
     for (estimates, colour) in both {
         panel.line(
             &mut sheet,
@@ -164,9 +166,9 @@ fn samples_axis(both: &[(&Estimates, RGBColor)]) -> Axis {
 /// Estimates from zero over the largest mean plus standard deviation, but not over five times the truth.
 fn estimate_axis(figure: &Convergence) -> Axis {
     let shades = figure.sequential.shade().into_iter().chain(figure.random.shade());
-    let bound = 5.0 * figure.p_true;
+    let bound = figure.p_true.map_or(f64::INFINITY, |p_true| 5.0 * p_true);
     let tops = shades.map(|(_, _, upper)| if bound > 0.0 && upper > bound { bound } else { upper });
-    Axis::from_zero(tops.chain([figure.p_true]), 6, "*P*_{est}(*r* > *θ*_{t})")
+    Axis::from_zero(tops.chain(figure.p_true), 6, "*P*_{est}(*r* > *θ*_{t})")
 }
 
 /// The lines' and shades' names.

@@ -139,12 +139,13 @@ pub struct TruthRow {
     pub groups: u64,
     /// Number of capsizes.
     pub capsizes: u64,
-    /// Share of time with |θ| > 0.25 rad.
-    pub temporal_exceedance_025: f64,
+    /// Share of time with |θ| above the level.
+    pub temporal_exceedance: f64,
 }
 
-/// Writes `truth.csv`.
-pub fn truth(rows: &[TruthRow]) -> String {
+/// Writes `truth.csv`; the last column is named by its level in hundredths of a radian, `temporal_exceedance_025`.
+pub fn truth(rows: &[TruthRow], level: f64) -> String {
+    let temporal = format!("temporal_exceedance_{:03}", (100.0 * level).round() as u64);
     let header = [
         "ship",
         "spectrum",
@@ -152,7 +153,7 @@ pub fn truth(rows: &[TruthRow]) -> String {
         "fields",
         "groups",
         "capsizes",
-        "temporal_exceedance_025",
+        &temporal,
     ];
     write(
         header,
@@ -164,7 +165,7 @@ pub fn truth(rows: &[TruthRow]) -> String {
                 row.fields.into(),
                 row.groups.into(),
                 row.capsizes.into(),
-                row.temporal_exceedance_025.into(),
+                row.temporal_exceedance.into(),
             ]
         }),
     )

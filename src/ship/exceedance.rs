@@ -183,7 +183,7 @@ pub struct Probabilities {
 pub struct Counts {
     /// epsilon_1, 1/(m s^2).
     pub epsilon_1: f64,
-    /// Fields of the record.
+    /// Fields in the statistics.
     pub fields: u64,
     /// Fields that left the statistics.
     pub dropped: u64,
@@ -200,9 +200,9 @@ pub struct Counts {
 }
 
 impl Counts {
-    /// Adds one field; the share of time is a mean, taken at the end.
+    /// Adds one field; the share of time is a mean over the fields in the statistics, taken at the end.
     pub fn add(&mut self, field: &Response, capsize_angle: f64) {
-        self.fields += 1;
+        self.fields += u64::from(!field.dropped);
         self.dropped += u64::from(field.dropped);
         self.groups += field.r.len() as u64;
         self.capsizes += u64::from(field.capsizes);

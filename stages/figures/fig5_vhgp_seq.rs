@@ -75,15 +75,16 @@ impl Stage for Fig5VhgpSeq {
             .iter()
             .map(|piece| piece.map(|r| (r.n_samples.clone(), r.estimate.clone())))
             .collect::<Result<_>>()?;
-        let truth = truth.at_table("truth", p.vhgp_seq.epsilon_1_index as usize);
-        let (epsilon_1, p_true, _) = truth.ok_or_else(|| Error::stage("the record holds no groups"))?;
+        let index = p.vhgp_seq.epsilon_1_index as usize;
+        // Without a probability where every field has left the statistics.
+        let (counts, known) = (truth.counts.get(index), truth.at_table("truth", index));
         let figure = Convergence {
             ship: p.case.ship.clone(),
             spectrum: p.case.sea.clone(),
             theta_t,
-            epsilon_1,
+            epsilon_1: counts.map_or(0.0, |counts| counts.epsilon_1),
             realisations,
-            p_true,
+            p_true: known.map(|(_, p_true, _)| p_true),
             sequential: estimates(&sequential),
             random: estimates(&random),
         };

@@ -14,9 +14,18 @@ use crate::stages::exceedance::Exceedance;
 /// truth.csv.
 pub struct Truth;
 
-/// No parameters.
+/// Parameters of the file.
 #[derive(Serialize, Deserialize)]
-pub struct Params {}
+pub struct Params {
+    truth: Level,
+}
+
+/// The part of `[truth]` that names a column.
+#[derive(Serialize, Deserialize)]
+pub struct Level {
+    /// rad.
+    temporal_level: f64,
+}
 
 impl Stage for Truth {
     const NAME: &'static str = "truth";
@@ -27,7 +36,7 @@ impl Stage for Truth {
     type Inputs = (Cases<Exceedance>,);
     type Output = Published;
 
-    fn run(_: &Params, (cases,): (Vec<CaseOf<'_, Probabilities>>,), _: Here<'_>) -> Result<Published> {
+    fn run(p: &Params, (cases,): (Vec<CaseOf<'_, Probabilities>>,), _: Here<'_>) -> Result<Published> {
         let mut rows = Vec::new();
         for case in &cases {
             rows.extend(case.get()?.counts.iter().map(|counts| TruthRow {
@@ -37,9 +46,12 @@ impl Stage for Truth {
                 fields: counts.fields,
                 groups: counts.groups,
                 capsizes: counts.capsizes,
-                temporal_exceedance_025: counts.time_above,
+                temporal_exceedance: counts.time_above,
             }));
         }
-        Ok(Published::new(Self::NAME, [("csv", truth(&rows))]))
+        Ok(Published::new(
+            Self::NAME,
+            [("csv", truth(&rows, p.truth.temporal_level))],
+        ))
     }
 }

@@ -6,7 +6,7 @@ use crate::code_graph::CodeGraph;
 const MAY_NAME: [(&str, &[&str]); 11] = [
     ("main", &["cli"]),
     ("lib", &[]),
-    ("cli", &["engine", "stages"]),
+    ("cli", &["engine", "numerics", "stages"]),
     ("stages", &["design", "engine", "gp", "numerics", "plot", "sea", "ship"]),
     ("design", &["gp", "numerics"]),
     ("gp", &["numerics"]),

@@ -250,3 +250,18 @@ fn fields_beyond_the_record() {
         ),
     ]);
 }
+
+#[test]
+fn runs_that_would_never_end_are_refused() {
+    let program = Program::new("tiny");
+    refused(
+        &program,
+        &["--set", "record.lead_in=1e9"],
+        &["--set", "record.lead_in", "expected at most"],
+    );
+    refused(
+        &program,
+        &["--set", "truth.window=1e7"],
+        &["--set", "truth.window", "expected at most"],
+    );
+}

@@ -29,7 +29,7 @@ fn the_columns_are_those_of_the_contract() {
         "spectrum,fields,groups_per_tp,l_over_tp_mean,l_over_tp_sd,a_over_hs_mean,a_over_hs_sd,correlation,share_a_over_hs_gt_1"
     );
     assert_eq!(
-        header(&csv::truth(&[])),
+        header(&csv::truth(&[], 0.25)),
         "ship,spectrum,epsilon_1,fields,groups,capsizes,temporal_exceedance_025"
     );
 }
@@ -101,7 +101,7 @@ fn groups_and_truth_are_written_in_the_order_of_their_columns() {
         fields: 500,
         groups: 11930,
         capsizes: 7,
-        temporal_exceedance_025: 0.125,
+        temporal_exceedance: 0.125,
     };
-    assert!(csv::truth(&[truth]).ends_with("\nprinted,S4,0.02,500,11930,7,0.125\n"));
+    assert!(csv::truth(&[truth], 0.25).ends_with("\nprinted,S4,0.02,500,11930,7,0.125\n"));
 }

@@ -284,7 +284,7 @@ fn nothing_known_is_still_a_figure() {
         mean: vec![0.0],
         std: vec![0.0],
     };
-    figure.p_true = 0.0;
+    figure.p_true = None;
     svg::check(&convergence::draw(&figure).expect("a single point is sound"));
 }
 

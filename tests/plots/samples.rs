@@ -220,7 +220,7 @@ pub(crate) fn convergence() -> Convergence {
         theta_t: 0.9,
         epsilon_1: 0.002,
         realisations: 100,
-        p_true,
+        p_true: Some(p_true),
         sequential,
         random,
     }
