@@ -17,6 +17,7 @@ use crate::engine::graph::{Graph, Target};
 use crate::engine::params::ParamsFile;
 use crate::engine::store::Store;
 use crate::numerics::lanes::Level;
+use crate::numerics::self_test;
 use crate::stages::PIPELINE;
 use crate::stages::axes::SHIP;
 
@@ -202,10 +203,10 @@ pub fn main() -> ExitCode {
 
 fn act(verb: &Verb) -> Result<()> {
     match verb {
-        Verb::Run(args) => run::run(args),
+        Verb::Run(args) => same_bits().and_then(|()| run::run(args)),
         Verb::Status(args) => status::status(args),
         Verb::Show(args) => show::show(args),
-        Verb::Verify(args) => verify::verify(args),
+        Verb::Verify(args) => same_bits().and_then(|()| verify::verify(args)),
     }
 }
 
@@ -213,4 +214,9 @@ fn act(verb: &Verb) -> Result<()> {
 fn forced_level() -> Result<()> {
     let forced = std::env::var("ENCOUNTER_LEVEL").ok();
     Level::choose(forced.as_deref()).map(|_| ()).map_err(Error::Usage)
+}
+
+/// Refuses to compute on a build or a CPU whose bits are not those of the locks.
+fn same_bits() -> Result<()> {
+    self_test::check(Level::current()).map_err(Error::OtherBits)
 }

@@ -47,6 +47,9 @@ pub enum Error {
         /// The id of the new output.
         made: String,
     },
+    /// This build on this CPU computes other bits than the locks hold.
+    #[error("{0}")]
+    OtherBits(String),
     /// The committed lock differs from what was computed.
     #[error("{0}")]
     Difference(String),
@@ -87,7 +90,7 @@ impl Error {
             Self::Stage { .. } | Self::Failures(_) => 1,
             Self::Usage(_) => 2,
             Self::Difference(_) => 3,
-            Self::NotReproducible { .. } => 4,
+            Self::NotReproducible { .. } | Self::OtherBits(_) => 4,
             Self::Io { .. } | Self::Damaged { .. } => 5,
         }
     }

@@ -13,5 +13,6 @@ pub mod lbfgsb;
 pub mod normal;
 pub mod random;
 pub mod rk4;
+pub mod self_test;
 pub mod square;
 pub mod sums;

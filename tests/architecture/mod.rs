@@ -25,6 +25,7 @@ fn violations(sources: &Sources, manifest: &str, lock: &str) -> Vec<String> {
         holes::named_outside_arrows(&code),
         holes::unsafe_code(sources),
         outside::machine_readers(&code),
+        outside::environment_readers(&code),
     ]
     .concat()
 }

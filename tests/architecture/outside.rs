@@ -63,6 +63,30 @@ pub(super) fn machine_readers(code: &CodeGraph) -> Vec<String> {
     found
 }
 
+/// Every reading of an environment variable but that of the instruction set, which cannot change a result.
+pub(super) fn environment_readers(code: &CodeGraph) -> Vec<String> {
+    let reads = |names: &[String]| {
+        names
+            .windows(2)
+            .any(|pair| pair[0] == "env" && pair[1].starts_with("var"))
+    };
+    let mut found = Vec::new();
+    for (path, file) in &code.tree.files {
+        let syntax = &file.syntax;
+        let imported = syntax.items.iter().flat_map(imports).map(|import| import.path);
+        let named = named_paths(syntax.to_token_stream())
+            .into_iter()
+            .map(|path| path.segments);
+        let is_allowed = ["src/cli/mod.rs", "src/numerics/lanes.rs"].contains(&path.as_str());
+        if !is_allowed && imported.chain(named).any(|path| reads(&path)) {
+            found.push(format!(
+                "{path} reads an environment variable; ENCOUNTER_LEVEL is the only one"
+            ));
+        }
+    }
+    found
+}
+
 /// The instruction sets are the machine's, and all of them give the same bits: `numerics/lanes.rs` may look.
 fn may_read(path: &str) -> bool {
     path == "src/numerics/lanes.rs"
@@ -80,6 +104,37 @@ fn a_result_that_could_come_from_the_machine_is_caught() {
     ] {
         assert_caught(&adding_to_ship(line), "which belongs to the machine");
     }
+}
+
+#[test]
+fn a_second_environment_variable_is_caught() {
+    for line in [
+        "fn f() { let _ = std::env::var(\"HULL\"); }",
+        "use std::env::{self, var_os};",
+        "fn f() { env::vars(); }",
+    ] {
+        assert_caught(
+            &super::adding("src/engine/mod.rs", line),
+            "src/engine/mod.rs reads an environment variable",
+        );
+    }
+}
+
+#[test]
+fn only_one_environment_variable_is_named() {
+    let literals = real_sources().into_values().flat_map(|text| {
+        let words = text.split(|letter: char| !letter.is_ascii_uppercase() && letter != '_');
+        let ours = words
+            .filter(|word| word.starts_with("ENCOUNTER_"))
+            .map(ToOwned::to_owned);
+        ours.collect::<Vec<_>>()
+    });
+    let names: BTreeSet<String> = literals.collect();
+    // ENCOUNTER_RUSTC is set by the build script for the compiler and read by `env!` alone.
+    assert_eq!(
+        names,
+        BTreeSet::from(["ENCOUNTER_LEVEL", "ENCOUNTER_RUSTC"].map(ToOwned::to_owned))
+    );
 }
 
 fn adding_to_ship(line: &str) -> ToyTree {

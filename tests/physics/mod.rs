@@ -20,4 +20,6 @@ mod rk4;
 mod roll_equation;
 mod roll_twin;
 mod seas;
+mod self_test;
+mod traps;
 mod wave_field;
