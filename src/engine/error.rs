@@ -2,6 +2,8 @@
 
 use std::path::PathBuf;
 
+use crate::engine::difference::Difference;
+
 /// A result whose error is [`Error`].
 pub type Result<T> = std::result::Result<T, Error>;
 
@@ -38,7 +40,7 @@ pub enum Error {
         why: String,
     },
     /// A key made twice with two contents.
-    #[error("{node} is not reproducible: recorded {recorded}, made again {made}")]
+    #[error("{node} is not reproducible: recorded {recorded}, made again {made}{}", told(.difference.as_deref(), .note))]
     NotReproducible {
         /// The node and piece.
         node: String,
@@ -46,6 +48,10 @@ pub enum Error {
         recorded: String,
         /// The id of the new output.
         made: String,
+        /// Where the two differ, where both are at hand.
+        difference: Option<Box<Difference>>,
+        /// What else is known, a sentence; may be empty.
+        note: String,
     },
     /// This build on this CPU computes other bits than the locks hold.
     #[error("{0}")]
@@ -56,6 +62,13 @@ pub enum Error {
     /// Some nodes failed; the rest is done.
     #[error("{0}")]
     Failures(String),
+}
+
+/// Difference and note on lines of their own.
+fn told(difference: Option<&Difference>, note: &str) -> String {
+    let note = Some(note.to_owned()).filter(|note| !note.is_empty());
+    let lines = difference.map(ToString::to_string).into_iter().chain(note);
+    lines.map(|line| format!("\n  {line}")).collect()
 }
 
 impl Error {

@@ -9,10 +9,12 @@ use crate::engine::arrow::{Inputs, Kind};
 use crate::engine::case::Axis;
 use crate::engine::codec;
 use crate::engine::decode::{Fault, decode};
+use crate::engine::difference::{self, Difference};
 use crate::engine::error::Result;
 use crate::engine::fields::field_names;
 use crate::engine::read::Reader;
 use crate::engine::stage::{Here, Keep, Pieces, Published, Select, Stage};
+use crate::engine::tree::{Tree, tree};
 
 /// A decoded artifact.
 pub(crate) type Value = Arc<dyn Any + Send + Sync>;
@@ -47,6 +49,7 @@ pub trait Node: Sync {
     fn decode(&self, bytes: &[u8]) -> Result<Value>;
     fn published(&self, bytes: &[u8]) -> Result<BTreeMap<String, String>>;
     fn json(&self, bytes: &[u8]) -> Result<serde_json::Value>;
+    fn difference(&self, earlier: &[u8], later: &[u8]) -> Result<Option<Difference>>;
     fn params_json(&self, params: &(dyn Any + Send + Sync)) -> serde_json::Value;
 }
 
@@ -146,6 +149,17 @@ impl<S: Stage> Node for Of<S> {
             what: format!("an output of {}", S::NAME),
             why: why.to_string(),
         })
+    }
+
+    fn difference(&self, earlier: &[u8], later: &[u8]) -> Result<Option<Difference>> {
+        let planted = |bytes: &[u8]| -> Result<Tree> {
+            if self.is_published() {
+                // What a reader knows are the files, not the artifact around them.
+                return tree(&self.published(bytes)?);
+            }
+            tree(&codec::decode::<S::Output>(bytes)?)
+        };
+        Ok(difference::between(&planted(earlier)?, &planted(later)?))
     }
 
     fn params_json(&self, params: &(dyn Any + Send + Sync)) -> serde_json::Value {

@@ -37,6 +37,11 @@ pub struct Record {
     pub target: String,
 }
 
+/// Architecture and system of this process.
+pub(crate) fn system() -> String {
+    format!("{}-{}", std::env::consts::ARCH, std::env::consts::OS)
+}
+
 const CHECK: &str = ",\"check\":\"";
 
 impl Record {

@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use crate::engine::arrow::Kind;
 use crate::engine::code;
-use crate::engine::error::{Error, Result};
+use crate::engine::error::Result;
 use crate::engine::event::Event;
 use crate::engine::graph::{Graph, Link};
 use crate::engine::id::{Id, Key, schema_number};
@@ -14,9 +14,10 @@ use crate::engine::memo::Memo;
 use crate::engine::node::Value;
 use crate::engine::object;
 use crate::engine::read::Reader;
-use crate::engine::record::Record;
+use crate::engine::record::{self, Record};
 use crate::engine::stage::{Here, Keep};
 use crate::engine::store::{Found, Store};
+use crate::engine::twice;
 
 /// Bytes of artifacts held in memory between stages.
 const MEMO_BYTES: usize = 256 << 20;
@@ -101,12 +102,19 @@ impl<'g> Run<'g> {
 
     /// The key of a piece, if the ids of all its inputs are known.
     pub fn key(&self, node: usize, piece: usize) -> Option<Key> {
+        self.key_under(&self.graph.nodes[node].code, node, piece)
+    }
+
+    /// The key that a piece has under other code.
+    pub(crate) fn key_under(&self, code: &[u8; 32], node: usize, piece: usize) -> Option<Key> {
         let inputs: Option<Vec<InputKey>> = self.graph.nodes[node]
             .links
             .iter()
             .map(|link| self.input_key(link, piece))
             .collect();
-        Some(self.preimage(node, piece, inputs?).key())
+        let mut preimage = self.preimage(node, piece, inputs?);
+        preimage.code = *code;
+        Some(preimage.key())
     }
 
     fn preimage(&self, node: usize, piece: usize, inputs: Vec<InputKey>) -> Preimage<'_> {
@@ -175,7 +183,7 @@ impl<'g> Run<'g> {
         let record = self.record(node, piece, key, id, bytes.len() as u64, seconds);
         let earlier = self.store.record(&key);
         if let Some(earlier) = earlier.as_ref().filter(|earlier| earlier.id != record.id) {
-            return Err(self.not_reproducible(node, piece, &earlier.id, &record.id));
+            return Err(twice::error(self, node, piece, &earlier.id, &bytes));
         }
         let healed = earlier.is_some() && !record.evicted && !self.store.has(&id);
         self.store.publish(schema, &bytes, &record)?;
@@ -196,7 +204,8 @@ impl<'g> Run<'g> {
         Ok(())
     }
 
-    fn compute(&self, node: usize, piece: usize) -> Result<Vec<u8>> {
+    /// The encoded output of a piece whose inputs are known, made now.
+    pub(crate) fn compute(&self, node: usize, piece: usize) -> Result<Vec<u8>> {
         let it = &self.graph.nodes[node];
         let (first, items) = it.pieces[piece];
         let here = Here {
@@ -232,7 +241,7 @@ impl<'g> Run<'g> {
             seed: self.graph.seed,
             inputs: inputs.flatten().map(|id| id.to_string()).collect(),
             rustc: code::RUSTC.to_owned(),
-            target: format!("{}-{}", std::env::consts::ARCH, std::env::consts::OS),
+            target: record::system(),
         }
     }
 
@@ -272,7 +281,7 @@ impl<'g> Run<'g> {
         let bytes = self.compute(node, piece)?;
         let (made, file) = object::seal(schema, &bytes);
         if made != id {
-            return Err(self.not_reproducible(node, piece, &id.to_string(), &made.to_string()));
+            return Err(twice::error(self, node, piece, &id.to_string(), &bytes));
         }
         if let Some(why) = why {
             self.store.restore(&id, &file)?;
@@ -313,16 +322,13 @@ impl<'g> Run<'g> {
         }
     }
 
-    fn not_reproducible(&self, node: usize, piece: usize, recorded: &str, made: &str) -> Error {
-        Error::NotReproducible {
-            node: self.graph.nodes[node].piece_name(piece),
-            recorded: recorded.to_owned(),
-            made: made.to_owned(),
-        }
-    }
-
     /// The recipe of a whole node: its key with the contents of its inputs, whatever the piece.
     pub(crate) fn recipe(&self, node: usize, content: &dyn Fn(usize) -> Option<Id>) -> Option<Key> {
+        self.recipe_under(self.graph.seed, node, content)
+    }
+
+    /// The recipe that a node has under another root seed.
+    pub(crate) fn recipe_under(&self, seed: u64, node: usize, content: &dyn Fn(usize) -> Option<Id>) -> Option<Key> {
         let it = &self.graph.nodes[node];
         let inputs: Option<Vec<InputKey>> = it
             .links
@@ -337,6 +343,7 @@ impl<'g> Run<'g> {
             })
             .collect();
         let mut preimage = self.preimage(node, 0, inputs?);
+        preimage.seed = seed;
         preimage.first = it.pieces.len() as u64;
         preimage.items = it.pieces.iter().map(|(_, items)| items).sum();
         Some(preimage.recipe())
