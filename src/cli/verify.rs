@@ -1,38 +1,66 @@
-//! `encounter verify`: the committed lock against the code, or against a run from nothing.
+//! `encounter verify`: the committed lock against the code, the store against its names, or a run from nothing against the
+//! lock.
 
+use std::collections::BTreeMap;
 use std::fs;
-use std::path::Path;
+use std::io::IsTerminal;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
 
 use clap::Args;
+use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::json;
 
 use crate::cli::progress::Progress;
 use crate::cli::run::workers;
 use crate::cli::{Common, Session, print_json, say};
+use crate::engine::audit::{Audit, Finding, audit};
 use crate::engine::code;
+use crate::engine::difference::grouped;
 use crate::engine::error::{Error, Result};
 use crate::engine::event::Event;
 use crate::engine::lock::Lock;
 use crate::engine::publish;
+use crate::engine::rebuild::{Against, Rebuilt, compare};
 use crate::engine::run::Run;
 use crate::engine::schedule;
 use crate::engine::store::Store;
-use crate::engine::verify::{against_lock, between};
+use crate::engine::verify::{against_lock, against_store, toolchains};
 use crate::stages::axes::SHIP;
+
+/// What the exit code says, and how to read a difference.
+const AFTER_HELP: &str = "\
+A difference reads NODE: VALUE  OLD / NEW (distance); ULP are units in the last place:
+  ground_truth/calibrated-S1/17: maxima[1042].r  0.5123799999999998 / 0.51238 (1 ULP); 3 of 5,812 differ, at most 2 ULP
+
+Exit code:
+  0    nothing differs, nothing is damaged
+  3    something differs from the lock, or is damaged
+  4    a stage is not reproducible: it differs from itself, or from what the same compiler recorded of the same key
+  5    the lock or the store cannot be read";
+
+/// What `--store` is to this verb.
+const STORE_HELP: &str = "Hash all of the store again and move what is damaged to its quarantine folder; \
+    with --lock or --rebuild only the folder of cached outputs [default: artifacts]";
 
 /// Arguments of `encounter verify`.
 #[derive(Debug, Args)]
-#[group(id = "what", required = true, multiple = false, args = ["lock", "rebuild"])]
+#[command(after_help = AFTER_HELP)]
+#[command(mut_arg("store", |store| store.num_args(0..=1).help(STORE_HELP)))]
+#[group(id = "what", required = true, multiple = true, args = ["lock", "store", "rebuild"])]
 pub struct VerifyArgs {
-    /// Compare the lock with code, parameters and published files; nothing is run
+    /// Compare the lock with code, parameters and published files; nothing is run, no store is needed
     #[arg(long)]
     lock: bool,
-    /// Run everything in an empty temporary store and compare the contents with the lock
-    #[arg(long)]
+    /// Run everything, or the targets, in an empty temporary store and compare the contents with the lock
+    #[arg(long, conflicts_with = "lock")]
     rebuild: bool,
+    /// What to rebuild: stages, nodes (STAGE/CASE) or outputs (table1); all of them by default
+    #[arg(requires = "rebuild")]
+    target: Vec<String>,
     #[command(flatten)]
     common: Common,
-    /// Worker threads of the rebuild [default: one per core]
+    /// Worker threads of a rebuild or of hashing [default: one per core]
     #[arg(short, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     j: Option<u16>,
 }
@@ -40,50 +68,52 @@ pub struct VerifyArgs {
 /// Runs the verb.
 ///
 /// # Errors
-/// A lock that cannot be read, or a difference.
+/// A lock or store that cannot be read, or a difference.
 pub fn verify(args: &VerifyArgs) -> Result<()> {
-    let session = args.common.open(&[])?;
-    let path = args.common.lock_file()?;
-    let text = fs::read_to_string(&path).map_err(|source| Error::Io {
-        action: "read",
-        path: path.clone(),
-        source,
-    })?;
-    let lock = Lock::parse(&text)?;
-    let differences = if args.rebuild {
-        rebuild(args, &session, &lock)?
+    let session = args.common.open(&args.target)?;
+    if args.rebuild {
+        verify_rebuild(args, &session)
+    } else if args.lock {
+        verify_lock(args, &session)
     } else {
-        compare(args, &session, &lock)
-    };
-    if args.common.json {
-        let lines = lock.lines.len();
-        print_json(
-            &json!({"format": 1, "lock": path.display().to_string(), "lines": lines, "differences": differences}),
-        );
-    } else if differences.is_empty() {
-        say(format_args!(
-            "{}: {} lines, all equal",
-            path.display(),
-            lock.lines.len()
-        ));
-    }
-    match differences.as_slice() {
-        [] => Ok(()),
-        [first, rest @ ..] => {
-            let others = if rest.is_empty() {
-                String::new()
-            } else {
-                format!("\nand {} more:\n{}", rest.len(), rest.join("\n"))
-            };
-            Err(Error::Difference(format!(
-                "{} differs: {first}{others}",
-                path.display()
-            )))
-        }
+        verify_store(args, &session)
     }
 }
 
-fn compare(args: &VerifyArgs, session: &Session, lock: &Lock) -> Vec<String> {
+fn read_lock(path: &Path) -> Result<Lock> {
+    let text = fs::read_to_string(path).map_err(|source| Error::Io {
+        action: "read",
+        path: path.to_owned(),
+        source,
+    })?;
+    Lock::parse(&text)
+}
+
+fn verify_lock(args: &VerifyArgs, session: &Session) -> Result<()> {
+    let path = args.common.lock_file()?;
+    let lock = read_lock(&path)?;
+    let differences = compare_lock(args, session, &lock);
+    let toolchains = toolchains(&lock);
+    if args.common.json {
+        print_json(&json!({
+            "format": 1, "lock": path.display().to_string(), "lines": lock.lines.len(), "differences": differences,
+            "toolchains": toolchains,
+        }));
+    } else if differences.is_empty() {
+        say(format_args!("{}: {} lines, all equal", path.display(), lock.lines.len()));
+    }
+    let told = by_sentence(&differences);
+    let Some((first, rest)) = told.split_first() else {
+        return Ok(());
+    };
+    let mut text = format!("{} differs: {first}", path.display());
+    for line in rest.iter().chain(&toolchains) {
+        text += &format!("\n  {line}");
+    }
+    Err(Error::Difference(text))
+}
+
+fn compare_lock(args: &VerifyArgs, session: &Session, lock: &Lock) -> Vec<String> {
     // Published files of a small profile live in its store, which may not be there; only the paper's are committed.
     let mut lock = lock.clone();
     if !session.figures.is_dir() && args.common.profile.name() != "paper" {
@@ -95,20 +125,177 @@ fn compare(args: &VerifyArgs, session: &Session, lock: &Lock) -> Vec<String> {
     against_lock(&run, &session.graph, &lock, &session.figures)
 }
 
-fn rebuild(args: &VerifyArgs, session: &Session, lock: &Lock) -> Result<Vec<String>> {
-    let folder = tempfile::tempdir().map_err(Error::io("make a temporary folder", std::env::temp_dir()))?;
-    let made = rebuild_in(args, session, folder.path())?;
-    Ok(between(lock, &made))
+/// `NAME: SENTENCE`, each sentence once, with the first name and the number of the others.
+fn by_sentence(differences: &[String]) -> Vec<String> {
+    let mut order: Vec<(&str, &str, usize)> = Vec::new();
+    let mut places: BTreeMap<&str, usize> = BTreeMap::new();
+    for difference in differences {
+        let (name, sentence) = difference.split_once(": ").unwrap_or((difference, ""));
+        let place = *places.entry(sentence).or_insert(order.len());
+        match order.get_mut(place) {
+            Some((_, _, others)) => *others += 1,
+            None => order.push((name, sentence, 0)),
+        }
+    }
+    let told = |(name, sentence, others): (&str, &str, usize)| match others {
+        0 => format!("{name}: {sentence}"),
+        others => format!("{name} and {others} more: {sentence}"),
+    };
+    order.into_iter().map(told).collect()
 }
 
-fn rebuild_in(args: &VerifyArgs, session: &Session, folder: &Path) -> Result<Lock> {
-    let store = Store::open(folder)?;
+fn verify_store(args: &VerifyArgs, session: &Session) -> Result<()> {
+    let start = Instant::now();
+    let bar = bar_of_bytes();
+    let found = audit(&session.store, workers(args.j), &|done, all| {
+        bar.set_length(all);
+        bar.set_position(done);
+    });
+    bar.finish_and_clear();
+    let (found, seconds) = (found?, start.elapsed().as_secs_f64());
+    let differences = lock_in_store(args, session);
+    if args.common.json {
+        let mut answer = json!({
+            "format": 1, "store": session.store.display().to_string(), "seconds": seconds, "differences": differences,
+        });
+        let found = serde_json::to_value(&found).expect("an audit holds only text and whole numbers");
+        if let (Some(answer), serde_json::Value::Object(found)) = (answer.as_object_mut(), found) {
+            answer.extend(found);
+        }
+        print_json(&answer);
+    } else {
+        print_audit(&found, &differences, &session.store, seconds);
+    }
+    let mut told = Vec::new();
+    if !found.damaged.is_empty() {
+        let (count, store) = (found.damaged.len(), session.store.display());
+        let files = if count == 1 { "file is" } else { "files are" };
+        told.push(format!("{count} {files} damaged, now in {store}/quarantine; a run makes again what it needs"));
+    }
+    if let Some(first) = differences.first() {
+        told.push(format!("the lock differs from the store: {first}"));
+    }
+    if told.is_empty() {
+        Ok(())
+    } else {
+        Err(Error::Difference(told.join("\n")))
+    }
+}
+
+/// What the profile's lock says otherwise than the store, where both speak of the same recipe.
+fn lock_in_store(args: &VerifyArgs, session: &Session) -> Vec<String> {
+    let lock = args.common.lock_file().ok().filter(|path| path.is_file() && !args.common.is_custom());
+    let Some(path) = lock else { return Vec::new() };
+    match read_lock(&path) {
+        Err(error) => vec![error.to_string()],
+        Ok(lock) => {
+            let store = session.look_at_store();
+            let silent = |_: &_| {};
+            against_store(&Run::new(&session.graph, &store, &silent), &session.graph, &lock)
+        }
+    }
+}
+
+/// A bar over bytes; hidden where standard error is no terminal.
+fn bar_of_bytes() -> ProgressBar {
+    if !std::io::stderr().is_terminal() {
+        return ProgressBar::hidden();
+    }
+    let style = ProgressStyle::with_template("hashing {wide_bar} {bytes}/{total_bytes} {bytes_per_sec} eta {eta}");
+    ProgressBar::new(0).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
+}
+
+fn print_audit(found: &Audit, differences: &[String], store: &Path, seconds: f64) {
+    print_findings("damaged", &found.damaged);
+    print_findings("missing", &found.missing);
+    print_findings("orphaned", &found.orphaned);
+    for difference in differences {
+        say(format_args!("lock      {difference}"));
+    }
+    let megabytes = found.bytes as f64 / 1e6;
+    say(format_args!(
+        "{}: {} objects, {} records, {} parts; {megabytes:.1} MB hashed in {seconds:.2} s; {} damaged, {} missing, {} orphaned",
+        store.display(),
+        grouped(found.objects),
+        grouped(found.records),
+        grouped(found.parts),
+        grouped(found.damaged.len() as u64),
+        grouped(found.missing.len() as u64),
+        grouped(found.orphaned.len() as u64)
+    ));
+}
+
+fn print_findings(word: &str, findings: &[Finding]) {
+    const MOST: usize = 20;
+    for it in findings.iter().take(MOST) {
+        let node = if it.node.is_empty() { String::new() } else { format!(" ({})", it.node) };
+        say(format_args!("{word:<9} {}{node}: {}", it.path, it.why));
+    }
+    if findings.len() > MOST {
+        let more = grouped((findings.len() - MOST) as u64);
+        say(format_args!("{word:<9} and {more} more; --json lists all"));
+    }
+}
+
+fn verify_rebuild(args: &VerifyArgs, session: &Session) -> Result<()> {
+    let path = args.common.lock_file()?;
+    let lock = read_lock(&path)?;
+    let start = Instant::now();
+    let rebuilt = rebuild(args, session, &lock)?;
+    let seconds = start.elapsed().as_secs_f64();
+    if args.common.json {
+        print_json(&json!({
+            "format": 1, "lock": path.display().to_string(), "lines": lock.lines.len(),
+            "differences": rebuilt.differences, "downstream": rebuilt.downstream, "first": rebuilt.first,
+            "toolchains": toolchains(&lock), "seconds": seconds,
+        }));
+    }
+    match rebuilt.error(&path) {
+        Some(error) => Err(error),
+        None if args.common.json => Ok(()),
+        None => {
+            let (of, nodes) = (path.display(), session.graph.nodes.len());
+            say(format_args!("{of}: {nodes} nodes made from nothing in {seconds:.1} s, all equal"));
+            Ok(())
+        }
+    }
+}
+
+/// Runs in an empty store and compares what came out.
+fn rebuild(args: &VerifyArgs, session: &Session, lock: &Lock) -> Result<Rebuilt> {
+    let folder = tempfile::tempdir().map_err(Error::io("make a temporary folder", std::env::temp_dir()))?;
+    let store = Store::open(folder.path())?;
     let progress = Progress::new();
     let listener = |event: &Event| progress.hear(event);
     let run = Run::new(&session.graph, &store, &listener);
     let outcome = schedule::execute(&run, workers(args.j));
     progress.finish();
+    if let Some(short) = outcome.as_ref().err().and_then(Rebuilt::cut_short) {
+        keep_quarantined(folder.path(), &session.store);
+        return Ok(short);
+    }
     outcome?;
     let texts = publish::texts(&run, SHIP, &session.ships)?;
-    Lock::of(&run, args.common.profile.name(), code::RUSTC, &texts)
+    let made = Lock::of(&run, args.common.profile.name(), code::RUSTC, &texts)?;
+    let against = Against {
+        lock,
+        ordinary: &session.look_at_store(),
+        whole: args.target.is_empty(),
+        workers: workers(args.j),
+    };
+    compare(&run, &made, &against)
+}
+
+/// Saves what a temporary store holds in quarantine, if there is an ordinary one to keep it.
+fn keep_quarantined(temporary: &Path, ordinary: &Path) {
+    let to = ordinary.join("quarantine");
+    let entries = fs::read_dir(temporary.join("quarantine")).into_iter().flatten().flatten();
+    let files: Vec<PathBuf> = entries.map(|entry| entry.path()).collect();
+    if !ordinary.is_dir() || files.is_empty() || fs::create_dir_all(&to).is_err() {
+        return;
+    }
+    for file in files {
+        // The error to report is that of the stage.
+        let _ = file.file_name().map(|name| fs::copy(&file, to.join(name)));
+    }
 }

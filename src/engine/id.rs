@@ -13,11 +13,17 @@ pub struct Key(pub [u8; 32]);
 impl Id {
     /// The id of an artifact's bytes.
     pub fn of(codec: u16, schema: u64, payload: &[u8]) -> Self {
+        let mut hasher = Self::hasher(codec, schema);
+        hasher.update(payload);
+        Self(*hasher.finalize().as_bytes())
+    }
+
+    /// What hashes an artifact's bytes into its id.
+    pub(crate) fn hasher(codec: u16, schema: u64) -> blake3::Hasher {
         let mut hasher = blake3::Hasher::new();
         hasher.update(&codec.to_le_bytes());
         hasher.update(&schema.to_le_bytes());
-        hasher.update(payload);
-        Self(*hasher.finalize().as_bytes())
+        hasher
     }
 
     /// The content of a node in pieces: the ordered ids of the pieces.

@@ -1,8 +1,12 @@
 //! Lock: the committed contents, one line a node in paper order, then the published files. No machine, no time.
+//!
+//! What it was made with (compiler, outside crates, a short hash of each stage's code) is recorded, not compared: the
+//! recipes tell that something differs, these tell what.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 
+use crate::engine::code::{self, StageCode};
 use crate::engine::error::{Error, Result};
 use crate::engine::graph::Graph;
 use crate::engine::id::{Id, Key};
@@ -18,6 +22,10 @@ pub struct Lock {
     pub seed: u64,
     /// The compiler that made it: recorded, not compared.
     pub made_with: String,
+    /// Stage -> the first 16 digits of its code's fingerprint.
+    pub code: BTreeMap<String, String>,
+    /// Outside crate -> its versions, of all crates that some stage's results depend on.
+    pub crates: BTreeMap<String, Vec<String>>,
     /// The nodes in paper order, then the published files.
     pub lines: Vec<Line>,
 }
@@ -73,6 +81,8 @@ impl Lock {
             profile: profile.to_owned(),
             seed: run.graph.seed,
             made_with: made_with.to_owned(),
+            code: codes(run).map(|code| (code.stage.to_owned(), short(code))).collect(),
+            crates: crates(codes(run)),
             lines,
         })
     }
@@ -83,6 +93,9 @@ impl Lock {
             "encounter-lock 1  profile {}  seed {}  keys {KEY_SCHEMA}  made-with {}\n",
             self.profile, self.seed, self.made_with
         );
+        let versions = |(name, versions): (&String, &Vec<String>)| format!("{name} {}", versions.join(" "));
+        list(&mut text, CRATES, self.crates.iter().map(versions));
+        list(&mut text, CODE, self.code.iter().map(|(stage, hash)| format!("{stage} {hash}")));
         let _ = writeln!(
             text,
             "# {:<38} {:>6} {:<64} {:<64} bytes",
@@ -134,8 +147,16 @@ impl Lock {
             return Err(refuse(1, "expected encounter-lock 1"));
         }
         let seed = seed.parse().map_err(|_| refuse(1, "expected a seed"))?;
-        let mut lines = Vec::new();
+        let (mut lines, mut code, mut crates) = (Vec::new(), BTreeMap::new(), BTreeMap::new());
         for (number, row) in rows.filter(|(_, row)| !row.starts_with('#') && !row.trim().is_empty()) {
+            if let Some(listed) = row.strip_prefix(CRATES) {
+                crates.extend(entries(listed));
+                continue;
+            }
+            if let Some(listed) = row.strip_prefix(CODE) {
+                code.extend(entries(listed).map(|(stage, hash)| (stage, hash.concat())));
+                continue;
+            }
             lines.push(
                 parse_line(row).ok_or_else(|| refuse(number + 1, "expected name, pieces, recipe, content, bytes"))?,
             );
@@ -144,6 +165,8 @@ impl Lock {
             profile: (*profile).to_owned(),
             seed,
             made_with: made_with.join(" "),
+            code,
+            crates,
             lines,
         })
     }
@@ -155,6 +178,55 @@ impl Lock {
             .map(|line| (line.name.as_str(), line.content))
             .collect()
     }
+}
+
+const CRATES: &str = "made-with crates ";
+const CODE: &str = "made-with code ";
+
+/// Writes entries, separated by commas, in rows that are about as long as the others.
+fn list(text: &mut String, word: &str, entries: impl Iterator<Item = String>) {
+    const WIDTH: usize = 180;
+    let mut row = String::new();
+    for entry in entries {
+        if !row.is_empty() && row.len() + entry.len() > WIDTH {
+            let _ = writeln!(text, "{word}{row}");
+            row.clear();
+        }
+        let comma = if row.is_empty() { "" } else { ", " };
+        row = format!("{row}{comma}{entry}");
+    }
+    if !row.is_empty() {
+        let _ = writeln!(text, "{word}{row}");
+    }
+}
+
+/// The first word of each entry of a list, and the rest of its words.
+fn entries(listed: &str) -> impl Iterator<Item = (String, Vec<String>)> {
+    listed.split(',').filter_map(|entry| {
+        let mut words = entry.split_whitespace().map(str::to_owned);
+        Some((words.next()?, words.collect()))
+    })
+}
+
+/// The code of the stages in a run's graph.
+fn codes(run: &Run<'_>) -> impl Iterator<Item = &'static StageCode> {
+    let names: BTreeSet<&str> = run.graph.nodes.iter().map(|node| node.node.name()).collect();
+    names.into_iter().filter_map(code::of)
+}
+
+/// The first 16 digits of a fingerprint: enough to tell that it changed; the recipes prove that it did not.
+pub(crate) fn short(code: &StageCode) -> String {
+    blake3::Hash::from_bytes(code.fingerprint()).to_hex()[..16].to_owned()
+}
+
+/// Crate -> versions, of everything that some stages' results depend on.
+pub(crate) fn crates<'a>(codes: impl Iterator<Item = &'a StageCode>) -> BTreeMap<String, Vec<String>> {
+    let mut all: BTreeMap<String, BTreeSet<&str>> = BTreeMap::new();
+    for krate in codes.flat_map(|code| code.crates) {
+        all.entry(krate.name.to_owned()).or_default().insert(krate.version);
+    }
+    let texts = |versions: BTreeSet<&str>| versions.into_iter().map(str::to_owned).collect();
+    all.into_iter().map(|(name, versions)| (name, texts(versions))).collect()
 }
 
 fn parse_line(row: &str) -> Option<Line> {

@@ -34,6 +34,7 @@
 //! `store`, `object`, `record`; `lock`, `verify`, `publish`.
 
 pub mod arrow;
+pub mod audit;
 pub mod case;
 pub mod code;
 pub mod codec;
@@ -54,6 +55,7 @@ pub mod pipeline;
 pub mod plan;
 pub mod publish;
 pub mod read;
+pub mod rebuild;
 pub mod record;
 pub mod run;
 pub mod schedule;

@@ -2,6 +2,8 @@
 //!
 //! Header, little endian: magic `ENCOUNT1` (8) | codec u16 | zero u16, u32 | schema u64 | length u64 | BLAKE3 (32).
 
+use std::io::{self, Read};
+
 use crate::engine::codec::{CODEC, LIMIT};
 use crate::engine::id::Id;
 
@@ -22,15 +24,77 @@ pub(crate) fn seal(schema: u64, payload: &[u8]) -> (Id, Vec<u8>) {
     (id, file)
 }
 
+/// What a header says, checked as far as it can be alone.
+struct Header {
+    codec: u16,
+    schema: u64,
+}
+
 /// The payload of an object file that is what its name says.
 ///
 /// # Errors
 /// What is wrong with the bytes.
 pub(crate) fn open(id: &Id, schema: Option<u64>, file: &[u8]) -> Result<Vec<u8>, String> {
-    if file.len() < HEADER {
-        return Err(format!("{} bytes, too short for a header", file.len()));
+    let Some((head, payload)) = file.split_first_chunk::<HEADER>() else {
+        return Err(too_short(file.len()));
+    };
+    let header = header(id, schema, head, payload.len() as u64)?;
+    if Id::of(header.codec, header.schema, payload) != *id {
+        return Err(NOT_ITS_NAME.to_owned());
     }
-    let (header, payload) = file.split_at(HEADER);
+    Ok(payload.to_vec())
+}
+
+/// Verifies an object file without holding it in memory; gives the number of its bytes.
+///
+/// # Errors
+/// What is wrong with the bytes, or keeps them from being read.
+pub(crate) fn check(id: &Id, mut file: impl Read, buffer: &mut [u8]) -> Result<u64, String> {
+    let unread = |why: io::Error| format!("it cannot be read: {why}");
+    let mut head = [0; HEADER];
+    let read = fill(&mut file, &mut head).map_err(unread)?;
+    if read < HEADER {
+        return Err(too_short(read));
+    }
+    let expected = number(&head, 24);
+    let header = header(id, None, &head, expected)?;
+    let mut hasher = Id::hasher(header.codec, header.schema);
+    let mut length = 0;
+    loop {
+        let read = fill(&mut file, buffer).map_err(unread)?;
+        hasher.update(&buffer[..read]);
+        length += read as u64;
+        // Far more than the header says need not be read to be known for a lie.
+        if read < buffer.len() || length > expected {
+            break;
+        }
+    }
+    if length != expected {
+        return Err(another_length(length, expected));
+    }
+    if hasher.finalize().as_bytes() != &id.0 {
+        return Err(NOT_ITS_NAME.to_owned());
+    }
+    Ok(length + HEADER as u64)
+}
+
+const NOT_ITS_NAME: &str = "the bytes do not hash to the name";
+
+fn too_short(length: usize) -> String {
+    format!("{length} bytes, too short for a header")
+}
+
+fn another_length(found: u64, expected: u64) -> String {
+    format!("{found} bytes of payload, the header says {expected}")
+}
+
+fn number(header: &[u8; HEADER], from: usize) -> u64 {
+    let mut bytes = [0; 8];
+    bytes.copy_from_slice(&header[from..from + 8]);
+    u64::from_le_bytes(bytes)
+}
+
+fn header(id: &Id, schema: Option<u64>, header: &[u8; HEADER], length: u64) -> Result<Header, String> {
     if &header[..8] != MAGIC {
         return Err("no object: the magic bytes are wrong".to_owned());
     }
@@ -38,24 +102,32 @@ pub(crate) fn open(id: &Id, schema: Option<u64>, file: &[u8]) -> Result<Vec<u8>,
     if codec != CODEC || header[10..16] != [0; 6] {
         return Err(format!("unknown codec {codec}"));
     }
-    let number = |from: usize| {
-        let mut bytes = [0; 8];
-        bytes.copy_from_slice(&header[from..from + 8]);
-        u64::from_le_bytes(bytes)
-    };
-    let found_schema = number(16);
+    let found_schema = number(header, 16);
     if schema.is_some_and(|expected| expected != found_schema) {
         return Err("an artifact of another type".to_owned());
     }
-    if number(24) != payload.len() as u64 || payload.len() > LIMIT {
-        return Err(format!(
-            "{} bytes of payload, the header says {}",
-            payload.len(),
-            number(24)
-        ));
+    if number(header, 24) != length || length > LIMIT as u64 {
+        return Err(another_length(length, number(header, 24)));
     }
-    if header[32..] != id.0 || Id::of(codec, found_schema, payload) != *id {
-        return Err("the bytes do not hash to the name".to_owned());
+    if header[32..] != id.0 {
+        return Err(NOT_ITS_NAME.to_owned());
     }
-    Ok(payload.to_vec())
+    Ok(Header {
+        codec,
+        schema: found_schema,
+    })
+}
+
+/// Reads until the buffer is full or the file ends.
+fn fill(file: &mut impl Read, buffer: &mut [u8]) -> io::Result<usize> {
+    let mut filled = 0;
+    while filled < buffer.len() {
+        match file.read(&mut buffer[filled..]) {
+            Ok(0) => break,
+            Ok(read) => filled += read,
+            Err(why) if why.kind() == io::ErrorKind::Interrupted => {}
+            Err(why) => return Err(why),
+        }
+    }
+    Ok(filled)
 }

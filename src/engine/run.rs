@@ -27,6 +27,11 @@ const MISSING: &str = "its object is missing";
 /// Whoever wants to know what happens.
 pub type Listener<'a> = dyn Fn(&Event) + Sync + 'a;
 
+/// The content of a node from the ids of its pieces.
+pub(crate) fn content_of(ids: &[Id]) -> Id {
+    if let [only] = ids { *only } else { Id::of_manifest(ids) }
+}
+
 /// The state of one walk through a graph.
 pub struct Run<'g> {
     pub(crate) graph: &'g Graph,
@@ -92,12 +97,7 @@ impl<'g> Run<'g> {
         }
         let ids: Option<Vec<Id>> = (0..self.known[node].len()).map(|piece| self.id(node, piece)).collect();
         let ids = ids?;
-        let content = if let [only] = ids.as_slice() {
-            *only
-        } else {
-            Id::of_manifest(&ids)
-        };
-        Some(*self.contents[node].get_or_init(|| content))
+        Some(*self.contents[node].get_or_init(|| content_of(&ids)))
     }
 
     /// The key of a piece, if the ids of all its inputs are known.

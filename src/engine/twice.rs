@@ -3,10 +3,7 @@
 //! Both outputs are kept in `quarantine/`. They are compared value by value; where the recorded one is gone, the piece is
 //! made once more, which tells a stage that differs each time from one that something else has changed.
 
-use std::path::Path;
-
 use crate::engine::code;
-use crate::engine::difference::Difference;
 use crate::engine::error::Error;
 use crate::engine::id::{Id, schema_number};
 use crate::engine::object;
@@ -24,15 +21,14 @@ pub(crate) fn error(run: &Run<'_>, node: usize, piece: usize, recorded: &str, by
         Found::Bytes(bytes) => Some(bytes),
         Found::Missing | Found::Damaged(_) => None,
     });
-    let folder = run.store.root().join("quarantine");
     let (difference, note) = if let Some(earlier) = &earlier {
         keep(run.store, schema, earlier);
-        let note = format!("both outputs are kept in {}", folder.display());
+        let note = "both outputs are kept in quarantine/".to_owned();
         (it.node.difference(earlier, bytes).ok().flatten(), note)
     } else {
         let again = run.compute(node, piece).ok().filter(|again| again != bytes);
         let difference = again.and_then(|again| it.node.difference(bytes, &again).ok().flatten());
-        let note = without_the_recorded(run, node, piece, difference.as_ref(), &folder);
+        let note = without_the_recorded(run, node, piece, difference.is_some());
         (difference, note)
     };
     Error::NotReproducible {
@@ -44,23 +40,14 @@ pub(crate) fn error(run: &Run<'_>, node: usize, piece: usize, recorded: &str, by
     }
 }
 
-fn without_the_recorded(
-    run: &Run<'_>,
-    node: usize,
-    piece: usize,
-    difference: Option<&Difference>,
-    folder: &Path,
-) -> String {
-    let kept = format!(
-        "the new output is kept in {}; the recorded one is gone",
-        folder.display()
-    );
-    if difference.is_some() {
+fn without_the_recorded(run: &Run<'_>, node: usize, piece: usize, differs_from_itself: bool) -> String {
+    let kept = "the new output is kept in quarantine/, the recorded one is gone";
+    if differs_from_itself {
         return format!("made twice just now, it differs from itself; {kept}");
     }
     let record = run.key(node, piece).and_then(|key| run.store.record(&key));
-    let since = record.as_ref().map_or(String::new(), |record| elsewhere(record, " with "));
-    format!("made once more it came out the same: something that is not in its key has changed since it was recorded{since}; {kept}")
+    let since = record.map_or(String::new(), |record| elsewhere(&record, " with "));
+    format!("made once more, it came out the same: what is in no key has changed since it was recorded{since}; {kept}")
 }
 
 /// `rustc 1.94.0 on x86_64-linux, now rustc 1.95.0 on x86_64-linux`, where a record was made with other tools than these.

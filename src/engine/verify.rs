@@ -1,18 +1,23 @@
-//! Verify: the committed lock against the code and parameters (no store needed), or against a run from nothing.
+//! Verify: the committed lock against code, parameters and published files (no store needed), and two locks.
+//!
+//! A recipe tells that a node differs; what the lock was made with tells in what: outside crates by name, code,
+//! parameters. A run from nothing is compared in `rebuild`, the store itself in `audit`. Tested in
+//! `tests/cache/{locks,verify}.rs`.
 
 use std::fs;
 use std::path::Path;
 
+use crate::engine::code;
 use crate::engine::graph::Graph;
 use crate::engine::id::Id;
-use crate::engine::lock::{Line, Lock, recipes};
+use crate::engine::lock::{Line, Lock, crates, recipes, short};
 use crate::engine::run::Run;
 
 /// Every way in which code, parameters and published files differ from a lock; empty if none.
 pub fn against_lock(run: &Run<'_>, graph: &Graph, lock: &Lock, figures: &Path) -> Vec<String> {
     let mut differences = Vec::new();
     let mut known: Vec<&Line> = lock.lines.iter().collect();
-    for (node, recipe) in graph.nodes.iter().zip(recipes(run, graph, lock)) {
+    for (index, (node, recipe)) in graph.nodes.iter().zip(recipes(run, graph, lock)).enumerate() {
         let name = node.name();
         let Some(place) = known.iter().position(|line| line.name == name) else {
             differences.push(format!("{name}: not in the lock"));
@@ -23,15 +28,97 @@ pub fn against_lock(run: &Run<'_>, graph: &Graph, lock: &Lock, figures: &Path) -
             let pieces = line.pieces.map_or("-".to_owned(), |pieces| pieces.to_string());
             differences.push(format!("{name}: {} pieces, the lock says {pieces}", node.pieces.len()));
         } else if line.recipe != recipe {
-            differences.push(format!(
-                "{name}: its code, parameters or inputs are not those of the lock"
-            ));
+            differences.push(format!("{name}: {}", recipe_reason(run, graph, lock, index, line)));
         }
     }
     for line in known {
         match line.name.strip_prefix("file ") {
             Some(path) => differences.extend(file_difference(figures, path, &line.content)),
             None => differences.push(format!("{}: in the lock, but no node of this pipeline", line.name)),
+        }
+    }
+    differences
+}
+
+/// What of a node differs from its line, as far as the lock tells.
+pub(crate) fn recipe_reason(run: &Run<'_>, graph: &Graph, lock: &Lock, node: usize, line: &Line) -> String {
+    let it = &graph.nodes[node];
+    let contents = lock.contents();
+    let content = |node: usize| contents.get(graph.nodes[node].name().as_str()).copied();
+    if lock.seed != graph.seed && run.recipe_under(lock.seed, node, &content) == line.recipe {
+        return format!("root seed {} -> {}", lock.seed, graph.seed);
+    }
+    match code_reason(lock, it.node.name()) {
+        CodeReason::Unknown => "its code, parameters or inputs are not those of the lock".to_owned(),
+        CodeReason::Crates(crates) => format!("outside crates: {}", crates.join(", ")),
+        CodeReason::Own => "its code is not that of the lock".to_owned(),
+        CodeReason::Same if it.links.is_empty() => "its parameters are not those of the lock".to_owned(),
+        CodeReason::Same => "its parameters or inputs are not those of the lock, its code is".to_owned(),
+    }
+}
+
+/// What the lock tells of a stage's code.
+enum CodeReason {
+    Unknown,
+    Same,
+    /// Crates that came, went or changed their version.
+    Crates(Vec<String>),
+    Own,
+}
+
+fn code_reason(lock: &Lock, stage: &str) -> CodeReason {
+    let (Some(then), Some(now)) = (lock.code.get(stage), code::of(stage)) else {
+        return CodeReason::Unknown;
+    };
+    if *then == short(now) {
+        return CodeReason::Same;
+    }
+    let changed: Vec<String> = crates(std::iter::once(now))
+        .into_iter()
+        .filter_map(|(name, now)| crate_change(&name, lock.crates.get(&name).map_or(&[], Vec::as_slice), &now))
+        .collect();
+    if changed.is_empty() {
+        CodeReason::Own
+    } else {
+        CodeReason::Crates(changed)
+    }
+}
+
+/// `pxfm 0.1.30 -> 0.1.31`; none if the lock lists every version, be it for this stage or another.
+fn crate_change(name: &str, then: &[String], now: &[String]) -> Option<String> {
+    let without = |all: &[String], others: &[String]| {
+        let left: Vec<&str> = all.iter().filter(|it| !others.contains(it)).map(String::as_str).collect();
+        left.join(" and ")
+    };
+    match (without(then, now), without(now, then)) {
+        (_, new) if new.is_empty() => None,
+        (old, new) if old.is_empty() => Some(format!("{name} {new}, new")),
+        (old, new) => Some(format!("{name} {old} -> {new}")),
+    }
+}
+
+/// The compilers, where another one made the lock; alone that is no difference.
+pub fn toolchains(lock: &Lock) -> Option<String> {
+    let differ = lock.made_with != code::RUSTC;
+    differ.then(|| format!("the lock was made with {}, this is {}", lock.made_with, code::RUSTC))
+}
+
+/// Every line of a lock that says something else than the store's records of the same recipe; empty if none.
+pub fn against_store(run: &Run<'_>, graph: &Graph, lock: &Lock) -> Vec<String> {
+    let mut differences = Vec::new();
+    for (index, (node, recipe)) in graph.nodes.iter().zip(recipes(run, graph, lock)).enumerate() {
+        for piece in 0..node.pieces.len() {
+            run.decide(index, piece);
+        }
+        let name = node.name();
+        let line = lock.lines.iter().find(|line| line.name == name && line.recipe == recipe);
+        let Some((line, content)) = line.zip(run.content(index)) else {
+            continue;
+        };
+        if line.content != content {
+            differences.push(format!("{name}: the lock says {}, the store {content}", line.content));
+        } else if run.bytes_of_node(index).is_some_and(|bytes| bytes != line.bytes) {
+            differences.push(format!("{name}: another number of bytes in the lock than in the store"));
         }
     }
     differences

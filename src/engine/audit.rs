@@ -1,0 +1,331 @@
+//! Audit: every byte of the store against its name. What is damaged goes to `quarantine/`, so that the next run makes it
+//! again; what is orphaned or missing is told.
+//!
+//! | found | means |
+//! |---|---|
+//! | damaged | an object, record or part whose bytes do not hash to what they should |
+//! | orphaned | an object that no record names, or a file that is none of the store's: garbage, never served |
+//! | missing | a record's object is not there: made again when it is needed |
+//!
+//! Tested in `tests/cache/verify.rs`.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs::{self, File};
+use std::io::ErrorKind;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use rayon::iter::{IntoParallelRefIterator, ParallelIterator};
+use serde::Serialize;
+
+use crate::engine::error::{Error, Result};
+use crate::engine::id::Id;
+use crate::engine::object;
+use crate::engine::record::Record;
+
+/// Bytes read at a time: a share of a second-level cache.
+const BUFFER: usize = 256 << 10;
+
+const STRAY: &str = "no file of the store";
+
+/// What an audit found.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Audit {
+    /// Objects looked at.
+    pub objects: u64,
+    /// Records looked at.
+    pub records: u64,
+    /// Parts (code tables and parameters that records name) looked at.
+    pub parts: u64,
+    /// Bytes read.
+    pub bytes: u64,
+    /// Bytes that are not what their name says.
+    pub damaged: Vec<Finding>,
+    /// What no record names.
+    pub orphaned: Vec<Finding>,
+    /// What a record names but is not there.
+    pub missing: Vec<Finding>,
+}
+
+/// One file of the store.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+pub struct Finding {
+    /// Its path within the store.
+    pub path: String,
+    /// The node and the items of its piece, where a record tells.
+    pub node: String,
+    /// What is wrong with it.
+    pub why: String,
+}
+
+/// What is heard while an audit goes on: bytes looked at, bytes in all.
+pub type Heard<'a> = dyn Fn(u64, u64) + Sync + 'a;
+
+/// A file of the store and its length.
+pub(crate) type Listed = (PathBuf, u64);
+
+/// One file looked at: bytes read, or what is wrong.
+type Checked<T> = (T, std::result::Result<u64, String>);
+
+/// Rehashes every object, record and part of a store; moves the damaged ones to its `quarantine/`.
+///
+/// # Errors
+/// A store that is not there, or a folder that cannot be read or written.
+pub fn audit(root: &Path, workers: usize, heard: &Heard<'_>) -> Result<Audit> {
+    fs::read_dir(root).map_err(Error::io("read the store", root))?;
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(workers)
+        .build()
+        .map_err(|why| Error::Usage(format!("-j {workers}: cannot start the workers: {why}")))?;
+    // A record is written after its object: listed first, none of them waits for an object yet to come.
+    let records = files(&root.join("records"))?;
+    let parts = files(&root.join("parts"))?;
+    let objects = files(&root.join("objects"))?;
+    let total: u64 = [&records, &parts, &objects]
+        .into_iter()
+        .flatten()
+        .map(|(_, bytes)| bytes)
+        .sum();
+    let done = AtomicU64::new(0);
+    let look = |bytes: u64| heard(done.fetch_add(bytes, Ordering::Relaxed) + bytes, total);
+    heard(0, total);
+    let mut audit = Audit {
+        objects: objects.len() as u64,
+        records: records.len() as u64,
+        parts: parts.len() as u64,
+        ..Audit::default()
+    };
+    let named = pool.install(|| audit.records(root, &records, &look))?;
+    pool.install(|| audit.parts(root, &parts, &look))?;
+    pool.install(|| audit.objects(root, &objects, &named, &look))?;
+    for list in [&mut audit.damaged, &mut audit.orphaned, &mut audit.missing] {
+        list.sort();
+    }
+    Ok(audit)
+}
+
+/// What records say of one id: a node that has it, and whether its bytes were left out on purpose.
+struct Named {
+    node: String,
+    evicted: bool,
+}
+
+impl Audit {
+    /// Records that are whole: id -> what they say of it.
+    fn records(&mut self, root: &Path, files: &[Listed], look: &(dyn Fn(u64) + Sync)) -> Result<BTreeMap<Id, Named>> {
+        let read: Vec<(&Listed, std::result::Result<Record, String>)> = files
+            .par_iter()
+            .map(|file| {
+                let record = record(root, &file.0);
+                look(file.1);
+                (file, record)
+            })
+            .collect();
+        let mut named = BTreeMap::new();
+        for (file, record) in read {
+            let record = match record {
+                Ok(record) => record,
+                Err(_) if name(root, "records", &file.0).is_none() => {
+                    self.orphaned.push(finding(root, &file.0, "", STRAY));
+                    continue;
+                }
+                Err(why) => {
+                    self.put_away(root, &file.0, String::new(), why)?;
+                    continue;
+                }
+            };
+            self.bytes += file.1;
+            let Some(id) = Id::parse(&record.id) else { continue };
+            let node = told(&record);
+            let evicted = record.evicted;
+            let entry = named.entry(id).or_insert(Named { node, evicted });
+            entry.evicted &= evicted;
+        }
+        Ok(named)
+    }
+
+    fn parts(&mut self, root: &Path, files: &[Listed], look: &(dyn Fn(u64) + Sync)) -> Result<()> {
+        let checked: Vec<Checked<&PathBuf>> = files
+            .par_iter()
+            .map(|(path, bytes)| {
+                let found = part(path).map(|()| *bytes);
+                look(*bytes);
+                (path, found)
+            })
+            .collect();
+        for (path, found) in checked {
+            match found {
+                Ok(bytes) => self.bytes += bytes,
+                Err(_) if name(root, "parts", path).is_none() => self.orphaned.push(finding(root, path, "", STRAY)),
+                Err(why) => self.put_away(root, path, String::new(), why)?,
+            }
+        }
+        Ok(())
+    }
+
+    fn objects(
+        &mut self,
+        root: &Path,
+        files: &[Listed],
+        named: &BTreeMap<Id, Named>,
+        look: &(dyn Fn(u64) + Sync),
+    ) -> Result<()> {
+        let checked: Vec<Checked<(&PathBuf, Option<Id>)>> = files
+            .par_iter()
+            .map_init(
+                || vec![0; BUFFER],
+                |buffer, (path, bytes)| {
+                    let id = name(root, "objects", path).and_then(|hex| Id::parse(&hex));
+                    let found = id.map_or(Ok(0), |id| object(&id, path, buffer));
+                    look(*bytes);
+                    ((path, id), found)
+                },
+            )
+            .collect();
+        let mut present = BTreeSet::new();
+        for ((path, id), found) in checked {
+            let Some(id) = id else {
+                self.orphaned.push(finding(root, path, "", STRAY));
+                continue;
+            };
+            // A damaged one is told as such, not as missing too.
+            present.insert(id);
+            let node = named.get(&id).map_or("", |named| named.node.as_str());
+            match found {
+                Ok(bytes) => self.bytes += bytes,
+                Err(why) => {
+                    self.put_away(root, path, node.to_owned(), why)?;
+                    continue;
+                }
+            }
+            if !named.contains_key(&id) {
+                self.orphaned.push(finding(root, path, "", "no record names it"));
+            }
+        }
+        let gone = named.iter().filter(|(id, named)| !named.evicted && !present.contains(id));
+        for (id, named) in gone {
+            let hex = id.to_string();
+            let path = root.join("objects").join(&hex[..2]).join(&hex[2..]);
+            // Written since the objects were listed, or not there.
+            if !path.is_file() {
+                self.missing.push(finding(root, &path, &named.node, "its record is there, its bytes are not"));
+            }
+        }
+        Ok(())
+    }
+
+    /// Notes a damaged file and moves it out of the way.
+    fn put_away(&mut self, root: &Path, path: &Path, node: String, why: String) -> Result<()> {
+        let folder = root.join("quarantine");
+        fs::create_dir_all(&folder).map_err(Error::io("make the folder", &folder))?;
+        let kind = path.strip_prefix(root).ok().and_then(|path| path.iter().next());
+        let kind = kind.map(|kind| kind.to_string_lossy().into_owned()).unwrap_or_default();
+        let name = name(root, &kind, path).unwrap_or_else(|| leaf(path));
+        let suffix = if kind == "objects" { "" } else { ".json" };
+        match fs::rename(path, folder.join(format!("{name}{suffix}"))) {
+            Err(why) if why.kind() != ErrorKind::NotFound => {
+                return Err(Error::io("move to quarantine", path)(why));
+            }
+            // A run that reads may have been faster.
+            _ => {}
+        }
+        self.damaged.push(Finding {
+            path: within(root, path),
+            node,
+            why,
+        });
+        Ok(())
+    }
+}
+
+/// `ground_truth/calibrated-S1, items 4080 to 4319`.
+fn told(record: &Record) -> String {
+    let node = &record.node;
+    match (record.first, record.items) {
+        (0, 1) => node.clone(),
+        (first, 1) => format!("{node}, item {first}"),
+        (first, items) => format!("{node}, items {first} to {}", first + items.saturating_sub(1)),
+    }
+}
+
+fn finding(root: &Path, path: &Path, node: &str, why: &str) -> Finding {
+    Finding {
+        path: within(root, path),
+        node: node.to_owned(),
+        why: why.to_owned(),
+    }
+}
+
+fn within(root: &Path, path: &Path) -> String {
+    let parts = path.strip_prefix(root).unwrap_or(path).iter();
+    let parts: Vec<_> = parts.map(|part| part.to_string_lossy()).collect();
+    parts.join("/")
+}
+
+fn leaf(path: &Path) -> String {
+    path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default()
+}
+
+/// The hexadecimal name that a path within `objects/`, `records/` or `parts/` stands for.
+fn name(root: &Path, kind: &str, path: &Path) -> Option<String> {
+    let inner = path.strip_prefix(root.join(kind)).ok()?;
+    let parts: Option<Vec<&str>> = inner.iter().map(|part| part.to_str()).collect();
+    let hex = parts?.concat();
+    let hex = if kind == "objects" { hex.as_str() } else { hex.strip_suffix(".json")? };
+    // Parse and print: one spelling a name.
+    Id::parse(hex).map(|id| id.to_string()).filter(|one| one == hex)
+}
+
+fn object(id: &Id, path: &Path, buffer: &mut [u8]) -> std::result::Result<u64, String> {
+    let file = File::open(path).map_err(|why| format!("it cannot be read: {why}"))?;
+    object::check(id, file, buffer)
+}
+
+fn record(root: &Path, path: &Path) -> std::result::Result<Record, String> {
+    let text = fs::read(path).map_err(|why| format!("it cannot be read: {why}"))?;
+    let text = String::from_utf8(text).map_err(|_| "it is no text".to_owned())?;
+    let record = Record::parse(&text).ok_or("its check does not hold")?;
+    if name(root, "records", path).as_deref() != Some(record.key.as_str()) {
+        return Err("it is the record of another key".to_owned());
+    }
+    if Id::parse(&record.id).is_none() {
+        return Err("it names no id".to_owned());
+    }
+    Ok(record)
+}
+
+/// A part is named by the BLAKE3 of its bytes before the check, which is its last field.
+fn part(path: &Path) -> std::result::Result<(), String> {
+    let text = fs::read_to_string(path).map_err(|why| format!("it cannot be read: {why}"))?;
+    let (body, _) = text.rsplit_once(",\"check\":\"").ok_or("it has no check")?;
+    let hash = blake3::hash(body.as_bytes()).to_hex();
+    if text[body.len()..] != format!(",\"check\":\"{hash}\"}}\n") {
+        return Err("its check does not hold".to_owned());
+    }
+    if leaf(path) != format!("{hash}.json") {
+        return Err("the bytes do not hash to the name".to_owned());
+    }
+    Ok(())
+}
+
+/// Every file below a folder, sorted; none if there is no such folder.
+pub(crate) fn files(folder: &Path) -> Result<Vec<Listed>> {
+    let mut listed = Vec::new();
+    let entries = match fs::read_dir(folder) {
+        Err(why) if why.kind() == ErrorKind::NotFound => return Ok(listed),
+        entries => entries.map_err(Error::io("read the folder", folder))?,
+    };
+    for entry in entries {
+        let entry = entry.map_err(Error::io("read the folder", folder))?;
+        let path = entry.path();
+        match entry.metadata() {
+            Ok(metadata) if metadata.is_dir() => listed.extend(files(&path)?),
+            Ok(metadata) => listed.push((path, metadata.len())),
+            // Gone since it was listed: a run that works meanwhile.
+            Err(why) if why.kind() == ErrorKind::NotFound => {}
+            Err(why) => return Err(Error::io("look at", path)(why)),
+        }
+    }
+    listed.sort();
+    Ok(listed)
+}
