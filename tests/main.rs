@@ -21,5 +21,6 @@ mod invalidation;
 mod physics;
 mod plots;
 mod published;
+mod reliability;
 mod reproduction;
 mod toy_tree;

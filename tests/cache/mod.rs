@@ -7,3 +7,4 @@ mod params;
 mod pieces;
 mod seeds;
 mod store;
+mod verify;

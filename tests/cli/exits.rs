@@ -101,8 +101,8 @@ fn bad_options_are_exit_2() {
         &["run", "--no-such-option"],
         &["walk"],
         &["show"],
-        &["verify"],
         &["verify", "--lock", "--rebuild"],
+        &["verify", "--lock", "table1"],
     ];
     for arguments in bad {
         assert_eq!(program.call(arguments).code, 2, "{arguments:?}");

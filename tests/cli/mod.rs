@@ -4,3 +4,4 @@ mod exits;
 mod ranges;
 mod refusals;
 mod verbs;
+mod verify;

@@ -10,9 +10,10 @@ use encounter::engine::id::{Id, Key};
 use encounter::engine::lock::Lock;
 use encounter::engine::params::ParamsFile;
 use encounter::engine::pipeline::Pipeline;
+use encounter::engine::rebuild::{Against, Rebuilt};
 use encounter::engine::run::Run;
 use encounter::engine::store::Store;
-use encounter::engine::{publish, schedule, verify};
+use encounter::engine::{publish, rebuild, schedule, verify};
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -197,6 +198,34 @@ impl House {
         let silent = |_: &Event| {};
         let run = Run::new(&graph, &store, &silent);
         verify::against_lock(&run, &graph, lock, &self.path("figures"))
+    }
+
+    /// What `verify --store` says of a lock.
+    pub(crate) fn against_store(&self, lock: &Lock) -> Vec<String> {
+        let graph = self.graph(&[]).expect("the parameters are in order");
+        let store = self.store();
+        let silent = |_: &Event| {};
+        verify::against_store(&Run::new(&graph, &store, &silent), &graph, lock)
+    }
+
+    /// What `verify --rebuild` finds: a run in an empty store, compared with a lock and this house's own store.
+    pub(crate) fn rebuild(&self, targets: &[&str], lock: &Lock) -> Result<Rebuilt, Error> {
+        let graph = self.graph(targets)?;
+        let folder = tempfile::tempdir().expect("a temporary folder can be made");
+        let store = Store::open(folder.path())?;
+        let silent = |_: &Event| {};
+        let run = Run::new(&graph, &store, &silent);
+        schedule::execute(&run, self.workers)?;
+        let scales = self.params().and_then(|params| params.list(SCALE)).unwrap_or_default();
+        let texts = publish::texts(&run, SCALE, &scales)?;
+        let made = Lock::of(&run, "toy", "rustc of the test", &texts)?;
+        let against = Against {
+            lock,
+            ordinary: &Store::look(&self.path("store")),
+            whole: targets.is_empty(),
+            workers: self.workers,
+        };
+        rebuild::compare(&run, &made, &against)
     }
 
     pub(crate) fn object(&self, id: &Id) -> PathBuf {

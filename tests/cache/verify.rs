@@ -1,0 +1,437 @@
+//! Verify: what two artifacts differ in, value by value; rot found exactly where it is; a rebuild that says who differs.
+
+use crate::common::House;
+use encounter::engine::audit::{Audit, audit};
+use encounter::engine::codec;
+use encounter::engine::difference::{Difference, grouped, ulp_distance};
+use encounter::engine::error::{Error, Result};
+use encounter::engine::node::node;
+use encounter::engine::stage::{Here, Published, Stage};
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+const NOTHING: [&str; 0] = [];
+
+/// An artifact with every shape that serde knows.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+struct Shapes {
+    maxima: Vec<Maximum>,
+    ends: Vec<End>,
+    by_name: BTreeMap<String, [f64; 2]>,
+    label: String,
+    pair: (u32, i64),
+    maybe: Option<f64>,
+    sure: bool,
+}
+
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+struct Maximum {
+    r: f64,
+}
+
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+enum End {
+    Upright,
+    Capsized { at: f64 },
+}
+
+/// Makes nothing; lends its type of output.
+struct Shaped;
+/// The same for published files.
+struct Printed;
+
+#[derive(Serialize, Deserialize)]
+struct NoParams {}
+
+impl Stage for Shaped {
+    const NAME: &'static str = "shaped";
+    const PAPER: &'static str = "§1";
+    const SCHEMA: &'static str = "shapes/1";
+    type Params = NoParams;
+    type Inputs = ();
+    type Output = Shapes;
+
+    fn run(_: &NoParams, (): (), _: Here<'_>) -> Result<Shapes> {
+        Err(Error::stage("never run"))
+    }
+}
+
+impl Stage for Printed {
+    const NAME: &'static str = "printed";
+    const PAPER: &'static str = "§1";
+    const SCHEMA: &'static str = Published::SCHEMA;
+    type Params = NoParams;
+    type Inputs = ();
+    type Output = Published;
+
+    fn run(_: &NoParams, (): (), _: Here<'_>) -> Result<Published> {
+        Err(Error::stage("never run"))
+    }
+}
+
+fn shapes() -> Shapes {
+    Shapes {
+        maxima: (0..2000).map(|i| Maximum { r: 0.25 + f64::from(i) }).collect(),
+        ends: vec![End::Upright, End::Capsized { at: 3.5 }],
+        by_name: BTreeMap::from([("S1".to_owned(), [1.0, 2.0]), ("S2".to_owned(), [3.0, 4.0])]),
+        label: "calm".to_owned(),
+        pair: (7, -7),
+        maybe: None,
+        sure: true,
+    }
+}
+
+/// The difference between the shapes and edited ones.
+fn edited(edit: impl Fn(&mut Shapes)) -> Option<Difference> {
+    let mut later = shapes();
+    edit(&mut later);
+    let bytes = |shapes: &Shapes| codec::encode(shapes).expect("shapes can be encoded");
+    let difference = node::<Shaped>().difference(&bytes(&shapes()), &bytes(&later));
+    difference.expect("both decode")
+}
+
+#[track_caller]
+fn reads(edit: impl Fn(&mut Shapes), expected: &str) {
+    assert_eq!(edited(edit).expect("they differ").to_string(), expected);
+}
+
+/// 2000 maxima, 2 ends, 4 in the map, label, pair, option, truth.
+const ALL: &str = "2,011";
+
+#[test]
+fn the_first_value_that_differs_is_named_with_its_distance() {
+    assert_eq!(edited(|_| ()), None);
+    let next = |x: f64| f64::from_bits(x.to_bits() + 1);
+    reads(
+        |it| {
+            it.maxima[1042].r = 1042.250_000_000_000_2;
+            it.maxima[1044].r = next(next(1044.25));
+            it.maxima[1999].r = next(1999.25);
+        },
+        &format!("maxima[1042].r  1042.25 / 1042.2500000000002 (1 ULP); 3 of {ALL} differ, at most 2 ULP"),
+    );
+    let difference = edited(|it| it.maxima[7].r = -7.25).expect("they differ");
+    assert_eq!((difference.path.as_str(), difference.ulp), ("maxima[7].r", Some(2 * 7.25_f64.to_bits())));
+    assert_eq!(difference.largest_ulp, difference.ulp);
+}
+
+#[test]
+fn every_shape_has_its_path() {
+    let one = format!("1 of {ALL} differ");
+    reads(|it| it.ends[1] = End::Capsized { at: 4.0 }, &format!(
+        "ends[1].Capsized.at  3.5 / 4.0 ({} ULP); {one}, at most {} ULP",
+        grouped(4.0_f64.to_bits() - 3.5_f64.to_bits()),
+        grouped(4.0_f64.to_bits() - 3.5_f64.to_bits()),
+    ));
+    reads(|it| it.ends[1] = End::Upright, &format!("ends[1]  Capsized of 1 fields / Upright; {one}"));
+    reads(|it| it.ends[0] = End::Capsized { at: 0.0 }, &format!("ends[0]  Upright / Capsized of 1 fields; {one}"));
+    reads(|it| it.label.push('!'), &format!("label  `calm` / `calm!`; {one}"));
+    reads(|it| it.pair.1 = 7, &format!("pair[1]  -7 / 7; {one}"));
+    reads(|it| it.maybe = Some(1.5), &format!("maybe  nothing / 1.5; {one}"));
+    reads(|it| it.sure = false, &format!("sure  true / false; {one}"));
+    let other_key = |it: &mut Shapes| {
+        it.by_name.remove("S1");
+        it.by_name.insert("S3".to_owned(), [1.0, 2.0]);
+    };
+    reads(other_key, "by_name.S1  2 entries / nothing; 4 of 2,013 differ");
+}
+
+#[test]
+fn a_list_of_another_length_says_so_and_counts_what_is_left_over() {
+    reads(|it| it.maxima.truncate(1990), &format!("maxima  2,000 entries / 1,990 entries; 10 of {ALL} differ"));
+    reads(|it| it.maxima.push(Maximum { r: 0.0 }), "maxima  2,000 entries / 2,001 entries; 1 of 2,012 differ");
+}
+
+#[test]
+fn bits_are_compared_not_values() {
+    let mut zeros = (shapes(), shapes());
+    (zeros.0.maxima[3].r, zeros.1.maxima[3].r) = (0.0, -0.0);
+    let bytes = |shapes: &Shapes| codec::encode(shapes).expect("shapes can be encoded");
+    let difference = node::<Shaped>().difference(&bytes(&zeros.0), &bytes(&zeros.1)).expect("both decode");
+    let text = difference.expect("they differ").to_string();
+    assert_eq!(text, format!("maxima[3].r  0.0 / -0.0 (0 ULP); 1 of {ALL} differ, at most 0 ULP"));
+    zeros.1.maxima[3].r = f64::NAN;
+    let difference = node::<Shaped>().difference(&bytes(&zeros.0), &bytes(&zeros.1)).expect("both decode");
+    let text = difference.expect("they differ").to_string();
+    assert_eq!(text, format!("maxima[3].r  0.0 / NaN; 1 of {ALL} differ"));
+}
+
+#[test]
+fn the_distance_counts_the_doubles_between() {
+    let mut x = 1.0_f64 - 3.0 * f64::EPSILON;
+    let mut steps = 0;
+    // The slow twin: step from double to double, across a power of two.
+    while x < 1.0 + 3.0 * f64::EPSILON {
+        x = f64::from_bits(x.to_bits() + 1);
+        steps += 1;
+        assert_eq!(ulp_distance(1.0 - 3.0 * f64::EPSILON, x), Some(steps));
+    }
+    let least = f64::from_bits(1);
+    assert_eq!(ulp_distance(-least, least), Some(2));
+    assert_eq!(ulp_distance(0.0, -0.0), Some(0));
+    assert_eq!(ulp_distance(f64::MAX, f64::INFINITY), Some(1));
+    assert_eq!(ulp_distance(f64::NAN, 1.0), None);
+    assert_eq!(ulp_distance(f64::NEG_INFINITY, f64::INFINITY), Some(2 * f64::INFINITY.to_bits()));
+    assert_eq!([0, 12, 999, 1000, 5812, 1_234_567].map(grouped), ["0", "12", "999", "1,000", "5,812", "1,234,567"]);
+}
+
+#[test]
+fn published_text_differs_in_a_line_of_a_file() {
+    let files = |csv: &str, svg: &str| {
+        codec::encode(&Published::new("fig1", [("csv", csv.to_owned()), ("svg", svg.to_owned())])).expect("text")
+    };
+    let told = |a: &[u8], b: &[u8]| {
+        let difference = node::<Printed>().difference(a, b).expect("both decode");
+        difference.map(|difference| difference.to_string())
+    };
+    let old = files("theta_t,p\n0.1,0.5\n0.2,0.25\n", "<svg>\n</svg>\n");
+    assert_eq!(told(&old, &old), None);
+    let new = files("theta_t,p\n0.1,0.5\n0.2,0.26\n", "<svg>\n</svg>\n");
+    assert_eq!(told(&old, &new).as_deref(), Some("fig1.csv, line 3  `0.2,0.25` / `0.2,0.26`; 1 of 7 differ"));
+    let longer = files("theta_t,p\n0.1,0.5\n0.2,0.25\n", "<svg>\n<g/>\n</svg>\n");
+    assert_eq!(told(&old, &longer).as_deref(), Some("fig1.svg, line 2  `</svg>` / `<g/>`; 3 of 8 differ"));
+    let ends = files("theta_t,p\r\n0.1,0.5\n0.2,0.25\n", "<svg>\n</svg>\n");
+    assert!(told(&old, &ends).is_some_and(|told| told.starts_with("fig1.csv, line 1  ")));
+    // A long line is cut to where it begins to differ.
+    let long = |digit: char| files("a\n", &format!("<path d=\"{}{digit}{}\"/>\n", "1 ".repeat(500), "2 ".repeat(500)));
+    let told = told(&long('3'), &long('4')).expect("they differ");
+    assert!(told.starts_with("fig1.svg, line 1  `..1 1 ") && told.len() < 220, "{told}");
+    assert!(told.contains(" 32 2 ") && told.contains(" 42 2 "), "{told}");
+}
+
+#[test]
+fn bytes_of_another_type_are_an_error_not_a_difference() {
+    let good = codec::encode(&shapes()).expect("shapes can be encoded");
+    assert!(node::<Shaped>().difference(&good, &good[1..]).is_err());
+    assert!(node::<Shaped>().difference(b"", &good).is_err());
+}
+
+fn audited(house: &House) -> Audit {
+    audit(&house.path("store"), 2, &|done, all| assert!(done <= all)).expect("the store can be read")
+}
+
+fn paths(findings: &[encounter::engine::audit::Finding]) -> Vec<&str> {
+    findings.iter().map(|finding| finding.path.as_str()).collect()
+}
+
+/// The path within the store.
+fn within(house: &House, path: &Path) -> String {
+    let inner = path.strip_prefix(house.path("store")).expect("a file of the store");
+    inner.display().to_string()
+}
+
+fn flip(path: &Path, byte: usize) {
+    let mut bytes = fs::read(path).expect("the file is there");
+    bytes[byte] ^= 1 << (byte % 8);
+    fs::write(path, bytes).expect("the file can be damaged");
+}
+
+#[test]
+fn a_sound_store_has_nothing_to_tell() {
+    let house = House::lived_in(&[]);
+    let found = audited(&house);
+    assert_eq!(
+        (found.objects, found.records),
+        (house.files_in("store/objects").len() as u64, house.files_in("store/records").len() as u64)
+    );
+    let files = ["objects", "records", "parts"].map(|kind| house.files_in(&format!("store/{kind}")));
+    let length = |path: &PathBuf| fs::metadata(path).expect("the file is there").len();
+    assert_eq!(found.bytes, files.iter().flatten().map(length).sum::<u64>());
+    assert!(found.damaged.is_empty() && found.missing.is_empty() && found.orphaned.is_empty(), "{found:?}");
+}
+
+#[test]
+fn a_flipped_bit_in_any_file_is_found_there_and_nowhere_else() {
+    let house = House::new();
+    let done = house.run();
+    let (key, id) = done.known["squares/a/1"];
+    let part = part(&house);
+    for path in [house.object(&id), house.record(&key), part] {
+        let good = fs::read(&path).expect("the file is there");
+        for byte in (0..good.len()).step_by(7).chain([0, 8, 16, 24, 32, 63, 64, good.len() - 1]) {
+            if byte >= good.len() {
+                continue;
+            }
+            flip(&path, byte);
+            let found = audited(&house);
+            assert_eq!(paths(&found.damaged), [within(&house, &path)], "byte {byte}");
+            assert!(!path.exists(), "byte {byte}");
+            let is_object = path == house.object(&id);
+            let node = if is_object { "squares/a, items 10 to 19" } else { "" };
+            assert_eq!(found.damaged[0].node, node);
+            assert_eq!(paths(&found.missing), NOTHING);
+            fs::write(&path, &good).expect("the file can be put back");
+        }
+        let found = audited(&house);
+        assert!(found.damaged.is_empty(), "{found:?}");
+    }
+    assert_eq!(house.files_in("store/quarantine").len(), 3);
+}
+
+/// Puts a part into the store: an object whose last field is the BLAKE3 of what is before it, which is its name.
+fn part(house: &House) -> PathBuf {
+    let body = "{\"files\":{\"src/ship/roll_equation.rs\":\"00ff\"}";
+    let hash = blake3::hash(body.as_bytes()).to_hex();
+    let folder = house.path("store/parts");
+    fs::create_dir_all(&folder).expect("a folder can be made");
+    let path = folder.join(format!("{hash}.json"));
+    fs::write(&path, format!("{body},\"check\":\"{hash}\"}}\n")).expect("a part can be written");
+    path
+}
+
+#[test]
+fn truncated_swapped_and_swollen_files_are_damaged() {
+    let house = House::new();
+    let done = house.run();
+    let (key, id) = done.known["squares/a/1"];
+    let (other_key, other_id) = done.known["squares/b/1"];
+    for (path, other) in [(house.object(&id), house.object(&other_id)), (house.record(&key), house.record(&other_key))] {
+        let good = fs::read(&path).expect("the file is there");
+        let other = fs::read(other).expect("the file is there");
+        let mut damages: Vec<Vec<u8>> = (0..good.len()).step_by(11).map(|length| good[..length].to_vec()).collect();
+        damages.extend([other, [good.as_slice(), b"x"].concat(), [good.as_slice(), &[0; 1 << 20]].concat()]);
+        for (i, damaged) in damages.iter().enumerate() {
+            fs::write(&path, damaged).expect("the file can be damaged");
+            assert_eq!(paths(&audited(&house).damaged), [within(&house, &path)], "damage {i}");
+        }
+        fs::write(&path, &good).expect("the file can be put back");
+    }
+}
+
+#[test]
+fn what_was_damaged_is_missing_afterwards_and_made_again_by_a_run() {
+    let house = House::new();
+    let done = house.run();
+    let (key, id) = done.known["squares/a/1"];
+    flip(&house.object(&id), 70);
+    assert_eq!(audited(&house).damaged.len(), 1);
+    let found = audited(&house);
+    assert_eq!((found.damaged.len(), paths(&found.missing)), (0, vec![within(&house, &house.object(&id)).as_str()]));
+    assert_eq!(found.missing[0].node, "squares/a, items 10 to 19");
+    // A damaged record takes its object's name with it.
+    flip(&house.record(&key), 9);
+    let found = audited(&house);
+    assert_eq!((found.damaged.len(), found.missing.len()), (1, 0));
+    house.run().expect_success();
+    let found = audited(&house);
+    assert_eq!(found.damaged.len() + found.missing.len() + found.orphaned.len(), 0, "{found:?}");
+}
+
+#[test]
+fn what_no_record_names_is_orphaned_and_stays() {
+    let house = House::new();
+    let done = house.run();
+    let (key, id) = done.known["squares/a/1"];
+    let stray = house.path("store/objects/00/notes.txt");
+    fs::create_dir_all(stray.parent().expect("a folder")).expect("a folder can be made");
+    fs::write(&stray, "mine").expect("a file can be written");
+    fs::remove_file(house.record(&key)).expect("the record can be deleted");
+    let found = audited(&house);
+    let mut expected = vec![within(&house, &house.object(&id)), "objects/00/notes.txt".to_owned()];
+    expected.sort();
+    assert_eq!(paths(&found.orphaned), expected);
+    assert_eq!((found.damaged.len(), found.missing.len()), (0, 0));
+    assert!(stray.exists() && house.object(&id).exists());
+}
+
+#[test]
+fn a_store_that_is_not_there_is_an_error_and_stays_so() {
+    let house = House::new();
+    let error = audit(&house.path("store"), 1, &|_, _| ()).expect_err("there is no store");
+    assert_eq!(error.exit_code(), 5);
+    assert!(!house.path("store").exists());
+}
+
+#[test]
+fn a_lock_that_says_otherwise_than_the_store_is_told() {
+    let house = House::new();
+    let lock = house.run().locked();
+    assert_eq!(house.against_store(&lock), NOTHING);
+    let flipped = |line: usize| {
+        let mut lock = lock.clone();
+        lock.lines[line].content.0[5] ^= 4;
+        house.against_store(&lock)
+    };
+    for (place, line) in lock.lines.iter().enumerate().filter(|(_, line)| line.pieces.is_some()) {
+        let differences = flipped(place);
+        assert_eq!(differences.len(), 1, "{differences:?}");
+        assert!(differences[0].starts_with(&format!("{}: the lock says ", line.name)), "{differences:?}");
+    }
+    let mut longer = lock.clone();
+    longer.lines[2].bytes += 1;
+    assert_eq!(house.against_store(&longer), ["squares/b: another number of bytes in the lock than in the store"]);
+}
+
+#[test]
+fn a_rebuild_of_an_unchanged_house_differs_in_nothing() {
+    let mut house = House::new();
+    let lock = house.run().locked();
+    for workers in [1, 4] {
+        house.workers = workers;
+        let rebuilt = house.rebuild(&[], &lock).expect("a rebuild succeeds");
+        assert_eq!((rebuilt.differences.as_slice(), rebuilt.downstream), ([].as_slice(), 0));
+        assert!(rebuilt.first.is_none() && rebuilt.error(Path::new("toy.lock")).is_none());
+    }
+}
+
+#[test]
+fn a_rebuild_names_the_first_node_that_changed_and_its_first_value() {
+    let mut house = House::new();
+    let lock = house.run().locked();
+    house.set("squares.fail_at=1000001");
+    house.set("base.a.offset=3");
+    let rebuilt = house.rebuild(&[], &lock).expect("a rebuild succeeds");
+    let first = rebuilt.first.clone().expect("squares differ");
+    assert_eq!(first.node, "squares/a");
+    assert!(first.reproducible);
+    assert!(first.verdict.contains("it came out the same"), "{}", first.verdict);
+    // The other base has another recipe too, but the same squares; totals and reports follow.
+    let names: Vec<&str> = rebuilt.differences.iter().filter_map(|line| line.split(": ").next()).collect();
+    assert_eq!(names, ["squares/a", "squares/b"]);
+    assert!(rebuilt.downstream > 0);
+    let error = rebuilt.error(Path::new("toy.lock")).expect("an error");
+    assert_eq!(error.exit_code(), 3);
+    assert!(error.to_string().starts_with("toy.lock differs: squares/a: the lock says "), "{error}");
+}
+
+#[test]
+fn a_rebuild_of_a_target_compares_what_it_needs_and_no_more() {
+    let house = House::new();
+    let mut lock = house.run().locked();
+    let line = lock.lines.iter_mut().find(|line| line.name == "aside").expect("a line");
+    line.content.0[0] ^= 1;
+    let rebuilt = house.rebuild(&["report"], &lock).expect("a rebuild succeeds");
+    assert_eq!(rebuilt.differences, NOTHING);
+    let rebuilt = house.rebuild(&["echo"], &lock).expect("a rebuild succeeds");
+    assert_eq!(rebuilt.first.expect("aside differs").node, "aside");
+}
+
+#[test]
+fn a_lock_that_was_edited_is_a_difference_of_a_reproducible_stage() {
+    let house = House::new();
+    let mut lock = house.run().locked();
+    let line = lock.lines.iter_mut().find(|line| line.name == "total/a").expect("a line");
+    line.content.0[31] ^= 1;
+    let rebuilt = house.rebuild(&[], &lock).expect("a rebuild succeeds");
+    let error = rebuilt.error(Path::new("toy.lock")).expect("an error");
+    assert_eq!(error.exit_code(), 3);
+    let text = error.to_string();
+    assert!(text.contains("total/a: the lock says ") && text.contains("or was edited"), "{text}");
+    assert!(text.contains("the lock was made with rustc of the test, this is rustc "), "{text}");
+}
+
+#[test]
+fn a_key_made_twice_with_two_ids_in_a_run_keeps_both_and_says_where_they_differ() {
+    let mut house = House::lived_in(&["fickle.steady=false"]);
+    // Fickle is left out of the store, so a new witness has it made again.
+    house.set("witness.shift=1");
+    let error = house.run().outcome.expect_err("fickle gives another number each time");
+    assert_eq!(error.exit_code(), 4);
+    let text = error.to_string();
+    assert!(text.starts_with("fickle is not reproducible: recorded "), "{text}");
+    assert!(text.contains("\n  value  ") && text.contains("1 of 1 differ"), "{text}");
+    assert!(text.contains("it differs from itself; the new output is kept in quarantine/"), "{text}");
+    assert_eq!(house.files_in("store/quarantine").len(), 1);
+}

@@ -1,0 +1,3 @@
+//! Reliability: what must not happen, made to happen (engine.md, section 13).
+
+mod mutants;
