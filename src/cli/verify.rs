@@ -70,7 +70,9 @@ pub struct VerifyArgs {
 /// A lock or store that cannot be read, or a difference.
 pub fn verify(args: &VerifyArgs) -> Result<()> {
     if let Some(target) = args.target.first().filter(|_| !args.rebuild) {
-        return Err(Error::Usage(format!("target `{target}`: expected with --rebuild alone")));
+        return Err(Error::Usage(format!(
+            "target `{target}`: expected with --rebuild alone"
+        )));
     }
     let session = args.common.open(&args.target)?;
     if args.rebuild {
@@ -102,7 +104,11 @@ fn verify_lock(args: &VerifyArgs, session: &Session) -> Result<()> {
             "toolchains": toolchains,
         }));
     } else if differences.is_empty() {
-        say(format_args!("{}: {} lines, all equal", path.display(), lock.lines.len()));
+        say(format_args!(
+            "{}: {} lines, all equal",
+            path.display(),
+            lock.lines.len()
+        ));
     }
     let told = by_sentence(&differences);
     let Some((first, rest)) = told.split_first() else {
@@ -174,7 +180,9 @@ fn verify_store(args: &VerifyArgs, session: &Session) -> Result<()> {
     if !found.damaged.is_empty() {
         let (count, store) = (found.damaged.len(), session.store.display());
         let files = if count == 1 { "file is" } else { "files are" };
-        told.push(format!("{count} {files} damaged, now in {store}/quarantine; a run makes again what it needs"));
+        told.push(format!(
+            "{count} {files} damaged, now in {store}/quarantine; a run makes again what it needs"
+        ));
     }
     if let Some(first) = differences.first() {
         told.push(format!("the lock differs from the store: {first}"));
@@ -188,7 +196,11 @@ fn verify_store(args: &VerifyArgs, session: &Session) -> Result<()> {
 
 /// What the profile's lock says otherwise than the store, where both speak of the same recipe.
 fn lock_in_store(args: &VerifyArgs, session: &Session) -> Vec<String> {
-    let lock = args.common.lock_file().ok().filter(|path| path.is_file() && !args.common.is_custom());
+    let lock = args
+        .common
+        .lock_file()
+        .ok()
+        .filter(|path| path.is_file() && !args.common.is_custom());
     let Some(path) = lock else { return Vec::new() };
     match read_lock(&path) {
         Err(error) => vec![error.to_string()],
@@ -232,7 +244,11 @@ fn print_audit(found: &Audit, differences: &[String], store: &Path, seconds: f64
 fn print_findings(word: &str, findings: &[Finding]) {
     const MOST: usize = 20;
     for it in findings.iter().take(MOST) {
-        let node = if it.node.is_empty() { String::new() } else { format!(" ({})", it.node) };
+        let node = if it.node.is_empty() {
+            String::new()
+        } else {
+            format!(" ({})", it.node)
+        };
         say(format_args!("{word:<9} {}{node}: {}", it.path, it.why));
     }
     if findings.len() > MOST {
@@ -259,7 +275,9 @@ fn verify_rebuild(args: &VerifyArgs, session: &Session) -> Result<()> {
         None if args.common.json => Ok(()),
         None => {
             let (of, nodes) = (path.display(), session.graph.nodes.len());
-            say(format_args!("{of}: {nodes} nodes made from nothing in {seconds:.1} s, all equal"));
+            say(format_args!(
+                "{of}: {nodes} nodes made from nothing in {seconds:.1} s, all equal"
+            ));
             Ok(())
         }
     }
@@ -293,7 +311,10 @@ fn rebuild(args: &VerifyArgs, session: &Session, lock: &Lock) -> Result<Rebuilt>
 /// Saves what a temporary store holds in quarantine, if there is an ordinary one to keep it.
 fn keep_quarantined(temporary: &Path, ordinary: &Path) {
     let to = ordinary.join("quarantine");
-    let entries = fs::read_dir(temporary.join("quarantine")).into_iter().flatten().flatten();
+    let entries = fs::read_dir(temporary.join("quarantine"))
+        .into_iter()
+        .flatten()
+        .flatten();
     let files: Vec<PathBuf> = entries.map(|entry| entry.path()).collect();
     if !ordinary.is_dir() || files.is_empty() || fs::create_dir_all(&to).is_err() {
         return;

@@ -202,13 +202,20 @@ impl Audit {
                 self.orphaned.push(finding(root, path, "", "no record names it"));
             }
         }
-        let gone = named.iter().filter(|(id, named)| !named.evicted && !present.contains(id));
+        let gone = named
+            .iter()
+            .filter(|(id, named)| !named.evicted && !present.contains(id));
         for (id, named) in gone {
             let hex = id.to_string();
             let path = root.join("objects").join(&hex[..2]).join(&hex[2..]);
             // Written since the objects were listed, or not there.
             if !path.is_file() {
-                self.missing.push(finding(root, &path, &named.node, "its record is there, its bytes are not"));
+                self.missing.push(finding(
+                    root,
+                    &path,
+                    &named.node,
+                    "its record is there, its bytes are not",
+                ));
             }
         }
         Ok(())
@@ -263,7 +270,9 @@ fn within(root: &Path, path: &Path) -> String {
 }
 
 fn leaf(path: &Path) -> String {
-    path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default()
+    path.file_name()
+        .map(|name| name.to_string_lossy().into_owned())
+        .unwrap_or_default()
 }
 
 /// The hexadecimal name that a path within `objects/`, `records/` or `parts/` stands for.
@@ -271,7 +280,11 @@ fn name(root: &Path, kind: &str, path: &Path) -> Option<String> {
     let inner = path.strip_prefix(root.join(kind)).ok()?;
     let parts: Option<Vec<&str>> = inner.iter().map(|part| part.to_str()).collect();
     let hex = parts?.concat();
-    let hex = if kind == "objects" { hex.as_str() } else { hex.strip_suffix(".json")? };
+    let hex = if kind == "objects" {
+        hex.as_str()
+    } else {
+        hex.strip_suffix(".json")?
+    };
     // Parse and print: one spelling a name.
     Id::parse(hex).map(|id| id.to_string()).filter(|one| one == hex)
 }

@@ -33,13 +33,22 @@ impl fmt::Display for Difference {
         let path = if self.path.is_empty() { "value" } else { &self.path };
         write!(f, "{path}  {} / {}", self.earlier, self.later)?;
         if let Some(ulp) = self.ulp {
-            write!(f, " ({} ULP)", grouped(ulp))?;
+            write!(f, " ({} ULP)", counted(ulp))?;
         }
         write!(f, "; {} of {} differ", grouped(self.differing), grouped(self.values))?;
         match self.largest_ulp {
-            Some(ulp) => write!(f, ", at most {} ULP", grouped(ulp)),
+            Some(ulp) => write!(f, ", at most {} ULP", counted(ulp)),
             None => Ok(()),
         }
+    }
+}
+
+/// A distance in full as long as rounding may be behind it, else its size: `2`, `2.6e16`.
+fn counted(ulp: u64) -> String {
+    if ulp < 1_000_000 {
+        grouped(ulp)
+    } else {
+        format!("{:.1e}", ulp as f64)
     }
 }
 
@@ -277,7 +286,10 @@ fn excerpts(a: &str, b: &str) -> (String, String) {
         }
         let from = same.saturating_sub(BEFORE);
         let part: String = text.chars().skip(from).take(LONGEST).collect();
-        let (head, tail) = (if from > 0 { ".." } else { "" }, if from + LONGEST < length { ".." } else { "" });
+        let (head, tail) = (
+            if from > 0 { ".." } else { "" },
+            if from + LONGEST < length { ".." } else { "" },
+        );
         format!("`{head}{part}{tail}`")
     };
     (cut(a), cut(b))

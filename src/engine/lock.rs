@@ -95,7 +95,11 @@ impl Lock {
         );
         let versions = |(name, versions): (&String, &Vec<String>)| format!("{name} {}", versions.join(" "));
         list(&mut text, CRATES, self.crates.iter().map(versions));
-        list(&mut text, CODE, self.code.iter().map(|(stage, hash)| format!("{stage} {hash}")));
+        list(
+            &mut text,
+            CODE,
+            self.code.iter().map(|(stage, hash)| format!("{stage} {hash}")),
+        );
         let _ = writeln!(
             text,
             "# {:<38} {:>6} {:<64} {:<64} bytes",
@@ -226,7 +230,9 @@ pub(crate) fn crates<'a>(codes: impl Iterator<Item = &'a StageCode>) -> BTreeMap
         all.entry(krate.name.to_owned()).or_default().insert(krate.version);
     }
     let texts = |versions: BTreeSet<&str>| versions.into_iter().map(str::to_owned).collect();
-    all.into_iter().map(|(name, versions)| (name, texts(versions))).collect()
+    all.into_iter()
+        .map(|(name, versions)| (name, texts(versions)))
+        .collect()
 }
 
 fn parse_line(row: &str) -> Option<Line> {

@@ -181,10 +181,13 @@ fn look_into(run: &Run<'_>, node: usize, line: &Line, against: &Against<'_>) -> 
     if let Some((piece, again)) = made_otherwise(run, node, &differing, threads)? {
         return not_itself(run, node, piece, &again, against, threads);
     }
-    let record = recorded
-        .as_ref()
-        .and_then(|records| differing.iter().find_map(|piece| Some((*piece, records[*piece].as_ref()?))));
-    let twice = format!("made once more, on {threads} threads, it came out the same").replace(" 1 threads", " 1 thread");
+    let record = recorded.as_ref().and_then(|records| {
+        differing
+            .iter()
+            .find_map(|piece| Some((*piece, records[*piece].as_ref()?)))
+    });
+    let twice =
+        format!("made once more, on {threads} threads, it came out the same").replace(" 1 threads", " 1 thread");
     match record {
         Some((piece, record)) => as_recorded(run, node, piece, record, line, against, &twice),
         None => Ok(First {
@@ -277,7 +280,11 @@ fn as_recorded(
     let mut verdict = match (same_key, since.as_str()) {
         (true, "") => {
             keep(against.ordinary, schema, &bytes);
-            format!("{twice}, yet it was recorded otherwise by the same compiler on the same system")
+            if let Some(Found::Bytes(earlier)) = &earlier {
+                keep(against.ordinary, schema, earlier);
+            }
+            let yet = "yet it was recorded otherwise by the same compiler on the same system";
+            format!("{twice}, {yet}; what is at hand is kept in quarantine/")
         }
         (true, since) => format!("{twice}; it was recorded with {since}"),
         (false, _) => format!("{twice}; {}", change(run, node, line, against)),
@@ -338,7 +345,12 @@ fn codes(store: &Store, stage: &str) -> BTreeSet<[u8; 32]> {
     let code = |file: &PathBuf| {
         let record = Record::parse(&fs::read_to_string(file).ok()?)?;
         let of_stage = record.node.split('/').next() == Some(stage);
-        Some(*blake3::Hash::from_hex(&record.code).ok().filter(|_| of_stage)?.as_bytes())
+        Some(
+            *blake3::Hash::from_hex(&record.code)
+                .ok()
+                .filter(|_| of_stage)?
+                .as_bytes(),
+        )
     };
     files.iter().filter_map(|(file, _)| code(file)).collect()
 }

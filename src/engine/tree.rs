@@ -152,7 +152,9 @@ impl Serializer for Planter {
         Ok(Tree::Text(value.to_owned()))
     }
     fn serialize_bytes(self, value: &[u8]) -> Planted {
-        Ok(Tree::List(value.iter().map(|byte| Tree::Whole((*byte).into())).collect()))
+        Ok(Tree::List(
+            value.iter().map(|byte| Tree::Whole((*byte).into())).collect(),
+        ))
     }
     fn serialize_none(self) -> Planted {
         Ok(Tree::Nothing)

@@ -52,7 +52,10 @@ fn without_the_recorded(run: &Run<'_>, node: usize, piece: usize, differs_from_i
 
 /// `rustc 1.94.0 on x86_64-linux, now rustc 1.95.0 on x86_64-linux`, where a record was made with other tools than these.
 pub(crate) fn elsewhere(record: &Record, before: &str) -> String {
-    let (then, now) = ((record.rustc.as_str(), record.target.as_str()), (code::RUSTC, &*system()));
+    let (then, now) = (
+        (record.rustc.as_str(), record.target.as_str()),
+        (code::RUSTC, &*system()),
+    );
     if then == now {
         return String::new();
     }

@@ -87,7 +87,11 @@ fn code_reason(lock: &Lock, stage: &str) -> CodeReason {
 /// `pxfm 0.1.30 -> 0.1.31`; none if the lock lists every version, be it for this stage or another.
 fn crate_change(name: &str, then: &[String], now: &[String]) -> Option<String> {
     let without = |all: &[String], others: &[String]| {
-        let left: Vec<&str> = all.iter().filter(|it| !others.contains(it)).map(String::as_str).collect();
+        let left: Vec<&str> = all
+            .iter()
+            .filter(|it| !others.contains(it))
+            .map(String::as_str)
+            .collect();
         left.join(" and ")
     };
     match (without(then, now), without(now, then)) {
@@ -111,7 +115,10 @@ pub fn against_store(run: &Run<'_>, graph: &Graph, lock: &Lock) -> Vec<String> {
             run.decide(index, piece);
         }
         let name = node.name();
-        let line = lock.lines.iter().find(|line| line.name == name && line.recipe == recipe);
+        let line = lock
+            .lines
+            .iter()
+            .find(|line| line.name == name && line.recipe == recipe);
         let Some((line, content)) = line.zip(run.content(index)) else {
             continue;
         };

@@ -113,20 +113,28 @@ fn the_first_value_that_differs_is_named_with_its_distance() {
         &format!("maxima[1042].r  1042.25 / 1042.2500000000002 (1 ULP); 3 of {ALL} differ, at most 2 ULP"),
     );
     let difference = edited(|it| it.maxima[7].r = -7.25).expect("they differ");
-    assert_eq!((difference.path.as_str(), difference.ulp), ("maxima[7].r", Some(2 * 7.25_f64.to_bits())));
+    assert_eq!(
+        (difference.path.as_str(), difference.ulp),
+        ("maxima[7].r", Some(2 * 7.25_f64.to_bits()))
+    );
     assert_eq!(difference.largest_ulp, difference.ulp);
 }
 
 #[test]
 fn every_shape_has_its_path() {
     let one = format!("1 of {ALL} differ");
-    reads(|it| it.ends[1] = End::Capsized { at: 4.0 }, &format!(
-        "ends[1].Capsized.at  3.5 / 4.0 ({} ULP); {one}, at most {} ULP",
-        grouped(4.0_f64.to_bits() - 3.5_f64.to_bits()),
-        grouped(4.0_f64.to_bits() - 3.5_f64.to_bits()),
-    ));
-    reads(|it| it.ends[1] = End::Upright, &format!("ends[1]  Capsized of 1 fields / Upright; {one}"));
-    reads(|it| it.ends[0] = End::Capsized { at: 0.0 }, &format!("ends[0]  Upright / Capsized of 1 fields; {one}"));
+    reads(
+        |it| it.ends[1] = End::Capsized { at: 4.0 },
+        &format!("ends[1].Capsized.at  3.5 / 4.0 (1.1e15 ULP); {one}, at most 1.1e15 ULP"),
+    );
+    reads(
+        |it| it.ends[1] = End::Upright,
+        &format!("ends[1]  Capsized of 1 fields / Upright; {one}"),
+    );
+    reads(
+        |it| it.ends[0] = End::Capsized { at: 0.0 },
+        &format!("ends[0]  Upright / Capsized of 1 fields; {one}"),
+    );
     reads(|it| it.label.push('!'), &format!("label  `calm` / `calm!`; {one}"));
     reads(|it| it.pair.1 = 7, &format!("pair[1]  -7 / 7; {one}"));
     reads(|it| it.maybe = Some(1.5), &format!("maybe  nothing / 1.5; {one}"));
@@ -140,8 +148,14 @@ fn every_shape_has_its_path() {
 
 #[test]
 fn a_list_of_another_length_says_so_and_counts_what_is_left_over() {
-    reads(|it| it.maxima.truncate(1990), &format!("maxima  2,000 entries / 1,990 entries; 10 of {ALL} differ"));
-    reads(|it| it.maxima.push(Maximum { r: 0.0 }), "maxima  2,000 entries / 2,001 entries; 1 of 2,012 differ");
+    reads(
+        |it| it.maxima.truncate(1990),
+        &format!("maxima  2,000 entries / 1,990 entries; 10 of {ALL} differ"),
+    );
+    reads(
+        |it| it.maxima.push(Maximum { r: 0.0 }),
+        "maxima  2,000 entries / 2,001 entries; 1 of 2,012 differ",
+    );
 }
 
 #[test]
@@ -149,11 +163,18 @@ fn bits_are_compared_not_values() {
     let mut zeros = (shapes(), shapes());
     (zeros.0.maxima[3].r, zeros.1.maxima[3].r) = (0.0, -0.0);
     let bytes = |shapes: &Shapes| codec::encode(shapes).expect("shapes can be encoded");
-    let difference = node::<Shaped>().difference(&bytes(&zeros.0), &bytes(&zeros.1)).expect("both decode");
+    let difference = node::<Shaped>()
+        .difference(&bytes(&zeros.0), &bytes(&zeros.1))
+        .expect("both decode");
     let text = difference.expect("they differ").to_string();
-    assert_eq!(text, format!("maxima[3].r  0.0 / -0.0 (0 ULP); 1 of {ALL} differ, at most 0 ULP"));
+    assert_eq!(
+        text,
+        format!("maxima[3].r  0.0 / -0.0 (0 ULP); 1 of {ALL} differ, at most 0 ULP")
+    );
     zeros.1.maxima[3].r = f64::NAN;
-    let difference = node::<Shaped>().difference(&bytes(&zeros.0), &bytes(&zeros.1)).expect("both decode");
+    let difference = node::<Shaped>()
+        .difference(&bytes(&zeros.0), &bytes(&zeros.1))
+        .expect("both decode");
     let text = difference.expect("they differ").to_string();
     assert_eq!(text, format!("maxima[3].r  0.0 / NaN; 1 of {ALL} differ"));
 }
@@ -173,14 +194,24 @@ fn the_distance_counts_the_doubles_between() {
     assert_eq!(ulp_distance(0.0, -0.0), Some(0));
     assert_eq!(ulp_distance(f64::MAX, f64::INFINITY), Some(1));
     assert_eq!(ulp_distance(f64::NAN, 1.0), None);
-    assert_eq!(ulp_distance(f64::NEG_INFINITY, f64::INFINITY), Some(2 * f64::INFINITY.to_bits()));
-    assert_eq!([0, 12, 999, 1000, 5812, 1_234_567].map(grouped), ["0", "12", "999", "1,000", "5,812", "1,234,567"]);
+    assert_eq!(
+        ulp_distance(f64::NEG_INFINITY, f64::INFINITY),
+        Some(2 * f64::INFINITY.to_bits())
+    );
+    assert_eq!(
+        [0, 12, 999, 1000, 5812, 1_234_567].map(grouped),
+        ["0", "12", "999", "1,000", "5,812", "1,234,567"]
+    );
 }
 
 #[test]
 fn published_text_differs_in_a_line_of_a_file() {
     let files = |csv: &str, svg: &str| {
-        codec::encode(&Published::new("fig1", [("csv", csv.to_owned()), ("svg", svg.to_owned())])).expect("text")
+        codec::encode(&Published::new(
+            "fig1",
+            [("csv", csv.to_owned()), ("svg", svg.to_owned())],
+        ))
+        .expect("text")
     };
     let told = |a: &[u8], b: &[u8]| {
         let difference = node::<Printed>().difference(a, b).expect("both decode");
@@ -189,15 +220,29 @@ fn published_text_differs_in_a_line_of_a_file() {
     let old = files("theta_t,p\n0.1,0.5\n0.2,0.25\n", "<svg>\n</svg>\n");
     assert_eq!(told(&old, &old), None);
     let new = files("theta_t,p\n0.1,0.5\n0.2,0.26\n", "<svg>\n</svg>\n");
-    assert_eq!(told(&old, &new).as_deref(), Some("fig1.csv, line 3  `0.2,0.25` / `0.2,0.26`; 1 of 7 differ"));
+    assert_eq!(
+        told(&old, &new).as_deref(),
+        Some("fig1.csv, line 3  `0.2,0.25` / `0.2,0.26`; 1 of 7 differ")
+    );
     let longer = files("theta_t,p\n0.1,0.5\n0.2,0.25\n", "<svg>\n<g/>\n</svg>\n");
-    assert_eq!(told(&old, &longer).as_deref(), Some("fig1.svg, line 2  `</svg>` / `<g/>`; 3 of 8 differ"));
+    assert_eq!(
+        told(&old, &longer).as_deref(),
+        Some("fig1.svg, line 2  `</svg>` / `<g/>`; 3 of 8 differ")
+    );
     let ends = files("theta_t,p\r\n0.1,0.5\n0.2,0.25\n", "<svg>\n</svg>\n");
     assert!(told(&old, &ends).is_some_and(|told| told.starts_with("fig1.csv, line 1  ")));
     // A long line is cut to where it begins to differ.
-    let long = |digit: char| files("a\n", &format!("<path d=\"{}{digit}{}\"/>\n", "1 ".repeat(500), "2 ".repeat(500)));
+    let long = |digit: char| {
+        files(
+            "a\n",
+            &format!("<path d=\"{}{digit}{}\"/>\n", "1 ".repeat(500), "2 ".repeat(500)),
+        )
+    };
     let told = told(&long('3'), &long('4')).expect("they differ");
-    assert!(told.starts_with("fig1.svg, line 1  `..1 1 ") && told.len() < 220, "{told}");
+    assert!(
+        told.starts_with("fig1.svg, line 1  `..1 1 ") && told.len() < 220,
+        "{told}"
+    );
     assert!(told.contains(" 32 2 ") && told.contains(" 42 2 "), "{told}");
 }
 
@@ -234,12 +279,18 @@ fn a_sound_store_has_nothing_to_tell() {
     let found = audited(&house);
     assert_eq!(
         (found.objects, found.records),
-        (house.files_in("store/objects").len() as u64, house.files_in("store/records").len() as u64)
+        (
+            house.files_in("store/objects").len() as u64,
+            house.files_in("store/records").len() as u64
+        )
     );
     let files = ["objects", "records", "parts"].map(|kind| house.files_in(&format!("store/{kind}")));
     let length = |path: &PathBuf| fs::metadata(path).expect("the file is there").len();
     assert_eq!(found.bytes, files.iter().flatten().map(length).sum::<u64>());
-    assert!(found.damaged.is_empty() && found.missing.is_empty() && found.orphaned.is_empty(), "{found:?}");
+    assert!(
+        found.damaged.is_empty() && found.missing.is_empty() && found.orphaned.is_empty(),
+        "{found:?}"
+    );
 }
 
 #[test]
@@ -250,7 +301,10 @@ fn a_flipped_bit_in_any_file_is_found_there_and_nowhere_else() {
     let part = part(&house);
     for path in [house.object(&id), house.record(&key), part] {
         let good = fs::read(&path).expect("the file is there");
-        for byte in (0..good.len()).step_by(7).chain([0, 8, 16, 24, 32, 63, 64, good.len() - 1]) {
+        for byte in (0..good.len())
+            .step_by(7)
+            .chain([0, 8, 16, 24, 32, 63, 64, good.len() - 1])
+        {
             if byte >= good.len() {
                 continue;
             }
@@ -287,11 +341,21 @@ fn truncated_swapped_and_swollen_files_are_damaged() {
     let done = house.run();
     let (key, id) = done.known["squares/a/1"];
     let (other_key, other_id) = done.known["squares/b/1"];
-    for (path, other) in [(house.object(&id), house.object(&other_id)), (house.record(&key), house.record(&other_key))] {
+    for (path, other) in [
+        (house.object(&id), house.object(&other_id)),
+        (house.record(&key), house.record(&other_key)),
+    ] {
         let good = fs::read(&path).expect("the file is there");
         let other = fs::read(other).expect("the file is there");
-        let mut damages: Vec<Vec<u8>> = (0..good.len()).step_by(11).map(|length| good[..length].to_vec()).collect();
-        damages.extend([other, [good.as_slice(), b"x"].concat(), [good.as_slice(), &[0; 1 << 20]].concat()]);
+        let mut damages: Vec<Vec<u8>> = (0..good.len())
+            .step_by(11)
+            .map(|length| good[..length].to_vec())
+            .collect();
+        damages.extend([
+            other,
+            [good.as_slice(), b"x"].concat(),
+            [good.as_slice(), &[0; 1 << 20]].concat(),
+        ]);
         for (i, damaged) in damages.iter().enumerate() {
             fs::write(&path, damaged).expect("the file can be damaged");
             assert_eq!(paths(&audited(&house).damaged), [within(&house, &path)], "damage {i}");
@@ -308,7 +372,10 @@ fn what_was_damaged_is_missing_afterwards_and_made_again_by_a_run() {
     flip(&house.object(&id), 70);
     assert_eq!(audited(&house).damaged.len(), 1);
     let found = audited(&house);
-    assert_eq!((found.damaged.len(), paths(&found.missing)), (0, vec![within(&house, &house.object(&id)).as_str()]));
+    assert_eq!(
+        (found.damaged.len(), paths(&found.missing)),
+        (0, vec![within(&house, &house.object(&id)).as_str()])
+    );
     assert_eq!(found.missing[0].node, "squares/a, items 10 to 19");
     // A damaged record takes its object's name with it.
     flip(&house.record(&key), 9);
@@ -316,7 +383,11 @@ fn what_was_damaged_is_missing_afterwards_and_made_again_by_a_run() {
     assert_eq!((found.damaged.len(), found.missing.len()), (1, 0));
     house.run().expect_success();
     let found = audited(&house);
-    assert_eq!(found.damaged.len() + found.missing.len() + found.orphaned.len(), 0, "{found:?}");
+    assert_eq!(
+        found.damaged.len() + found.missing.len() + found.orphaned.len(),
+        0,
+        "{found:?}"
+    );
 }
 
 #[test]
@@ -357,11 +428,17 @@ fn a_lock_that_says_otherwise_than_the_store_is_told() {
     for (place, line) in lock.lines.iter().enumerate().filter(|(_, line)| line.pieces.is_some()) {
         let differences = flipped(place);
         assert_eq!(differences.len(), 1, "{differences:?}");
-        assert!(differences[0].starts_with(&format!("{}: the lock says ", line.name)), "{differences:?}");
+        assert!(
+            differences[0].starts_with(&format!("{}: the lock says ", line.name)),
+            "{differences:?}"
+        );
     }
     let mut longer = lock.clone();
     longer.lines[2].bytes += 1;
-    assert_eq!(house.against_store(&longer), ["squares/b: another number of bytes in the lock than in the store"]);
+    assert_eq!(
+        house.against_store(&longer),
+        ["squares/b: another number of bytes in the lock than in the store"]
+    );
 }
 
 #[test]
@@ -388,12 +465,21 @@ fn a_rebuild_names_the_first_node_that_changed_and_its_first_value() {
     assert!(first.reproducible);
     assert!(first.verdict.contains("it came out the same"), "{}", first.verdict);
     // The other base has another recipe too, but the same squares; totals and reports follow.
-    let names: Vec<&str> = rebuilt.differences.iter().filter_map(|line| line.split(": ").next()).collect();
+    let names: Vec<&str> = rebuilt
+        .differences
+        .iter()
+        .filter_map(|line| line.split(": ").next())
+        .collect();
     assert_eq!(names, ["squares/a", "squares/b"]);
     assert!(rebuilt.downstream > 0);
     let error = rebuilt.error(Path::new("toy.lock")).expect("an error");
     assert_eq!(error.exit_code(), 3);
-    assert!(error.to_string().starts_with("toy.lock differs: squares/a: the lock says "), "{error}");
+    assert!(
+        error
+            .to_string()
+            .starts_with("toy.lock differs: squares/a: the lock says "),
+        "{error}"
+    );
 }
 
 #[test]
@@ -412,14 +498,24 @@ fn a_rebuild_of_a_target_compares_what_it_needs_and_no_more() {
 fn a_lock_that_was_edited_is_a_difference_of_a_reproducible_stage() {
     let house = House::new();
     let mut lock = house.run().locked();
-    let line = lock.lines.iter_mut().find(|line| line.name == "total/a").expect("a line");
+    let line = lock
+        .lines
+        .iter_mut()
+        .find(|line| line.name == "total/a")
+        .expect("a line");
     line.content.0[31] ^= 1;
     let rebuilt = house.rebuild(&[], &lock).expect("a rebuild succeeds");
     let error = rebuilt.error(Path::new("toy.lock")).expect("an error");
     assert_eq!(error.exit_code(), 3);
     let text = error.to_string();
-    assert!(text.contains("total/a: the lock says ") && text.contains("or was edited"), "{text}");
-    assert!(text.contains("the lock was made with rustc of the test, this is rustc "), "{text}");
+    assert!(
+        text.contains("total/a: the lock says ") && text.contains("or was edited"),
+        "{text}"
+    );
+    assert!(
+        text.contains("the lock was made with rustc of the test, this is rustc "),
+        "{text}"
+    );
 }
 
 #[test]
@@ -432,6 +528,9 @@ fn a_key_made_twice_with_two_ids_in_a_run_keeps_both_and_says_where_they_differ(
     let text = error.to_string();
     assert!(text.starts_with("fickle is not reproducible: recorded "), "{text}");
     assert!(text.contains("\n  value  ") && text.contains("1 of 1 differ"), "{text}");
-    assert!(text.contains("it differs from itself; the new output is kept in quarantine/"), "{text}");
+    assert!(
+        text.contains("it differs from itself; the new output is kept in quarantine/"),
+        "{text}"
+    );
     assert_eq!(house.files_in("store/quarantine").len(), 1);
 }

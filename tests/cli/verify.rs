@@ -5,8 +5,9 @@ use serde_json::Value;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
+use std::sync::LazyLock;
 
-/// A lock of the groups of two seas, made by hand from a run of them: a complete run writes one, and takes longer.
+/// What is run where a whole run would only take longer.
 const GROUPS: [&str; 2] = ["run", "groups"];
 
 fn object(program: &Program, node: &str) -> PathBuf {
@@ -25,7 +26,12 @@ fn one_way_to_verify_must_be_chosen() {
     assert_eq!(output.status.code(), Some(2));
     let help = Program::new("tiny").call(&["verify", "--help"]);
     assert_eq!(help.code, 0);
-    for said in ["Exit code:", "3    something differs", "4    a stage is not reproducible", "(1 ULP)"] {
+    for said in [
+        "Exit code:",
+        "3    something differs",
+        "4    a stage is not reproducible",
+        "(1 ULP)",
+    ] {
         assert!(help.stdout.contains(said), "{said}: {}", help.stdout);
     }
 }
@@ -40,7 +46,16 @@ fn a_damaged_store_is_told_quarantined_and_repaired_by_a_run() {
     assert_eq!(program.call(&GROUPS).code, 0);
     let sound = program.json(&["verify"]);
     let expected = [
-        "bytes", "damaged", "differences", "format", "missing", "objects", "orphaned", "parts", "records", "seconds",
+        "bytes",
+        "damaged",
+        "differences",
+        "format",
+        "missing",
+        "objects",
+        "orphaned",
+        "parts",
+        "records",
+        "seconds",
         "store",
     ];
     assert_eq!(keys(&sound), expected);
@@ -59,8 +74,15 @@ fn a_damaged_store_is_told_quarantined_and_repaired_by_a_run() {
     assert!(said.stderr.contains("1 file is damaged, now in "), "{}", said.stderr);
     let first = said.stdout.lines().next().expect("a line");
     assert!(first.starts_with("damaged   objects/"), "{first}");
-    assert!(first.ends_with(" (groups): the bytes do not hash to the name"), "{first}");
-    assert!(said.stdout.contains("1 damaged, 0 missing, 0 orphaned"), "{}", said.stdout);
+    assert!(
+        first.ends_with(" (groups): the bytes do not hash to the name"),
+        "{first}"
+    );
+    assert!(
+        said.stdout.contains("1 damaged, 0 missing, 0 orphaned"),
+        "{}",
+        said.stdout
+    );
     let quarantine = program.path("store/quarantine");
     let kept: Vec<Vec<u8>> = fs::read_dir(quarantine)
         .expect("a folder")
@@ -74,20 +96,35 @@ fn a_damaged_store_is_told_quarantined_and_repaired_by_a_run() {
     assert_eq!(again["missing"][0]["node"], "groups");
     assert_eq!(program.call(&GROUPS).code, 0);
     let healed = program.json(&["verify", "-j", "1"]);
-    assert_eq!((count(&healed, "damaged"), count(&healed, "missing")), (Some(0), Some(0)));
-    assert_eq!((&healed["objects"], &healed["bytes"]), (&sound["objects"], &sound["bytes"]));
+    assert_eq!(
+        (count(&healed, "damaged"), count(&healed, "missing")),
+        (Some(0), Some(0))
+    );
+    assert_eq!(
+        (&healed["objects"], &healed["bytes"]),
+        (&sound["objects"], &sound["bytes"])
+    );
 }
 
-/// The committed lock of tiny in this program's store, edited.
+/// The lock of a complete run, which all tests share.
+static LOCK: LazyLock<String> = LazyLock::new(|| {
+    let program = Program::new("tiny");
+    assert_eq!(program.call(&["run"]).code, 0);
+    program.lock_text()
+});
+
+/// Puts the lock of a complete run into this program's store, edited.
 fn lock_with(program: &Program, edit: impl Fn(&str) -> String) {
-    let text = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("artifacts/tiny.lock")).expect("a lock");
     fs::create_dir_all(program.path("store")).expect("a folder can be made");
-    fs::write(program.path("store/tiny.lock"), edit(&text)).expect("a lock can be written");
+    fs::write(program.path("store/tiny.lock"), edit(&LOCK)).expect("a lock can be written");
 }
 
 /// A lock whose line of a node has another word at a place.
 fn with_word(text: &str, node: &str, place: usize, word: &str) -> String {
-    let line = text.lines().find(|line| line.starts_with(&format!("{node} "))).expect("a line");
+    let line = text
+        .lines()
+        .find(|line| line.starts_with(&format!("{node} ")))
+        .expect("a line");
     let old = line.split_whitespace().nth(place).expect("a word");
     text.replace(line, &line.replace(old, word))
 }
@@ -98,18 +135,38 @@ fn a_rebuild_of_a_node_agrees_or_says_what_differs() {
     lock_with(&program, str::to_owned);
     let node = "group_statistics/S1";
     let equal = program.json(&["verify", "--rebuild", node]);
-    let expected = ["differences", "downstream", "first", "format", "lines", "lock", "seconds", "toolchains"];
+    let expected = [
+        "differences",
+        "downstream",
+        "first",
+        "format",
+        "lines",
+        "lock",
+        "seconds",
+        "toolchains",
+    ];
     assert_eq!(keys(&equal), expected);
-    assert_eq!((equal["differences"].as_array().map(Vec::len), &equal["first"]), (Some(0), &Value::Null));
+    assert_eq!(
+        (equal["differences"].as_array().map(Vec::len), &equal["first"]),
+        (Some(0), &Value::Null)
+    );
 
     // What is not asked for is not compared.
-    lock_with(&program, |text| with_word(text, "group_statistics/S2", 3, &"0".repeat(64)));
+    lock_with(&program, |text| {
+        with_word(text, "group_statistics/S2", 3, &"0".repeat(64))
+    });
     assert_eq!(program.call(&["verify", "--rebuild", node]).code, 0);
     let said = program.call(&["verify", "--rebuild", "group_statistics/S2", "--json"]);
     assert_eq!(said.code, 3, "{}", said.stderr);
     let first = &said.json()["first"];
-    assert_eq!(keys(first), ["difference", "earlier", "later", "node", "reproducible", "verdict"]);
-    assert_eq!((&first["node"], &first["reproducible"]), (&"group_statistics/S2".into(), &true.into()));
+    assert_eq!(
+        keys(first),
+        ["difference", "earlier", "later", "node", "reproducible", "verdict"]
+    );
+    assert_eq!(
+        (&first["node"], &first["reproducible"]),
+        (&"group_statistics/S2".into(), &true.into())
+    );
     assert!(said.stderr.contains("it came out the same"), "{}", said.stderr);
 }
 
@@ -118,16 +175,19 @@ fn a_recorded_output_is_compared_value_by_value() {
     let program = Program::new("tiny");
     lock_with(&program, str::to_owned);
     let node = "group_detection/S1";
-    // What was made with one parameter is recorded under the key of another: the same key, other values.
+    // What was made of a lower sea is recorded under the key of the paper's: the same key, other values.
     assert_eq!(program.call(&["run", node]).code, 0);
     let ours = program.json(&["show", node]);
-    let other = ["--set", "detection.similarity_threshold=0.93"];
+    let other = ["--set", "sea.S1.significant_wave_height=11.5"];
     assert_eq!(program.call(&[&["run", node] as &[&str], &other].concat()).code, 0);
     let theirs = program.json(&[&["show", node] as &[&str], &other].concat());
     let text = |value: &Value, what: &str| value[what].as_str().expect("text").to_owned();
     assert_ne!(text(&ours, "id"), text(&theirs, "id"));
     let key = text(&ours, "key");
-    let record = program.path("store/records").join(&key[..2]).join(format!("{}.json", &key[2..]));
+    let record = program
+        .path("store/records")
+        .join(&key[..2])
+        .join(format!("{}.json", &key[2..]));
     let body = fs::read_to_string(&record).expect("a record");
     let body = body.rsplit_once(",\"check\":\"").expect("a record ends in its check").0;
     let body = body.replace(&text(&ours, "id"), &text(&theirs, "id"));
@@ -137,9 +197,22 @@ fn a_recorded_output_is_compared_value_by_value() {
 
     let said = program.call(&["verify", "--rebuild", node]);
     assert_eq!(said.code, 4, "{}", said.stderr);
-    assert!(said.stderr.contains("group_detection/S1 is not reproducible: recorded "), "{}", said.stderr);
-    assert!(said.stderr.contains(" differ, at most ") && said.stderr.contains(" ULP)"), "{}", said.stderr);
-    assert!(said.stderr.contains("recorded otherwise by the same compiler"), "{}", said.stderr);
+    assert!(
+        said.stderr
+            .contains("group_detection/S1 is not reproducible: recorded "),
+        "{}",
+        said.stderr
+    );
+    assert!(
+        said.stderr.contains(" differ, at most ") && said.stderr.contains(" ULP)"),
+        "{}",
+        said.stderr
+    );
+    assert!(
+        said.stderr.contains("recorded otherwise by the same compiler"),
+        "{}",
+        said.stderr
+    );
 }
 
 #[test]
@@ -150,18 +223,31 @@ fn another_version_of_an_outside_crate_and_another_compiler_are_named() {
         let text = with_word(text, "wave_synthesis/S1", 2, &zeros);
         let now = format!("pxfm {}", version_of("pxfm"));
         assert!(text.contains(&now), "the lock lists crates");
-        let code = text.split("wave_synthesis ").nth(1).and_then(|rest| rest.get(..16)).expect("the stage's code");
+        let code = text
+            .split("wave_synthesis ")
+            .nth(1)
+            .and_then(|rest| rest.get(..16))
+            .expect("the stage's code");
         let text = text.replace(code, "0123456789abcdef").replace(&now, "pxfm 0.1.29");
         text.replacen("made-with rustc ", "made-with rustc 1.0.0 once ", 1)
     };
     lock_with(&program, other);
     let said = program.call(&["verify", "--lock"]);
     assert_eq!(said.code, 3, "{}", said.stderr);
-    let named = format!("wave_synthesis/S1: outside crates: pxfm 0.1.29 -> {}", version_of("pxfm"));
+    let named = format!(
+        "wave_synthesis/S1: outside crates: pxfm 0.1.29 -> {}",
+        version_of("pxfm")
+    );
     assert!(said.stderr.contains(&named), "{}", said.stderr);
-    assert!(said.stderr.contains("the lock was made with rustc 1.0.0 once "), "{}", said.stderr);
+    assert!(
+        said.stderr.contains("the lock was made with rustc 1.0.0 once "),
+        "{}",
+        said.stderr
+    );
     // The compiler alone is no difference.
-    lock_with(&program, |text| text.replacen("made-with rustc ", "made-with rustc 1.0.0 once ", 1));
+    lock_with(&program, |text| {
+        text.replacen("made-with rustc ", "made-with rustc 1.0.0 once ", 1)
+    });
     let said = program.call(&["verify", "--lock"]);
     assert_eq!((said.code, said.stderr.as_str()), (0, ""));
 }
@@ -169,7 +255,11 @@ fn another_version_of_an_outside_crate_and_another_compiler_are_named() {
 /// The locked version of a crate.
 fn version_of(name: &str) -> String {
     let lock = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("Cargo.lock")).expect("a lock");
-    let entry = lock.split("[[package]]").find(|entry| entry.contains(&format!("name = \"{name}\"\n")));
-    let version = entry.and_then(|entry| entry.split("version = \"").nth(1)).expect("the crate is locked");
+    let entry = lock
+        .split("[[package]]")
+        .find(|entry| entry.contains(&format!("name = \"{name}\"\n")));
+    let version = entry
+        .and_then(|entry| entry.split("version = \"").nth(1))
+        .expect("the crate is locked");
     version.split('"').next().expect("a version").to_owned()
 }

@@ -72,7 +72,11 @@ impl<const KIND: u8, const TEST: usize> Stage for Mutant<KIND, TEST> {
     const NAME: &'static str = "mutant";
     const PAPER: &'static str = "§2";
     const PIECES: Pieces = Pieces::AsUpstream;
-    const KEEP: Keep = if KIND == EVICTED_TIME { Keep::Evict } else { Keep::Always };
+    const KEEP: Keep = if KIND == EVICTED_TIME {
+        Keep::Evict
+    } else {
+        Keep::Always
+    };
     const SCHEMA: &'static str = "mutant/1";
     type Params = NoParams;
     type Inputs = (Each<Steady>,);
@@ -82,7 +86,9 @@ impl<const KIND: u8, const TEST: usize> Stage for Mutant<KIND, TEST> {
         let mut numbers = vec![steady[0]];
         match KIND {
             TIME | EVICTED_TIME => {
-                let now = SystemTime::now().duration_since(UNIX_EPOCH).expect("a clock after 1970");
+                let now = SystemTime::now()
+                    .duration_since(UNIX_EPOCH)
+                    .expect("a clock after 1970");
                 numbers.push(now.as_nanos() as f64);
             }
             THREADS => {
@@ -101,7 +107,10 @@ impl<const KIND: u8, const TEST: usize> Stage for Mutant<KIND, TEST> {
             WEATHER => numbers.push(WEATHERS[TEST].load(Ordering::SeqCst) as f64),
             _ => numbers.extend(steady.iter().take(3)),
         }
-        Ok(Words { item: here.first, numbers })
+        Ok(Words {
+            item: here.first,
+            numbers,
+        })
     }
 }
 
@@ -117,14 +126,23 @@ impl<const KIND: u8, const TEST: usize> Stage for Follower<KIND, TEST> {
     type Output = Vec<f64>;
 
     fn run(_: &NoParams, (words,): (PiecesOf<'_, Words>,), _: Here<'_>) -> Result<Vec<f64>> {
-        words.iter().map(|words| Ok(words?.numbers.iter().fold(0.0, |sum, x| sum + x))).collect()
+        words
+            .iter()
+            .map(|words| Ok(words?.numbers.iter().fold(0.0, |sum, x| sum + x)))
+            .collect()
     }
 }
 
 const fn pipeline<const KIND: u8, const TEST: usize>() -> Pipeline {
     Pipeline {
         axes: &[],
-        contents: const { &[node::<Steady>(), node::<Mutant<KIND, TEST>>(), node::<Follower<KIND, TEST>>()] },
+        contents: const {
+            &[
+                node::<Steady>(),
+                node::<Mutant<KIND, TEST>>(),
+                node::<Follower<KIND, TEST>>(),
+            ]
+        },
         optional: &[],
     }
 }
@@ -146,7 +164,9 @@ impl Cage {
 
     fn graph(&self) -> Graph {
         let mut params = ParamsFile::default();
-        params.layer("mutants.toml", PARAMS).expect("the parameters are in order");
+        params
+            .layer("mutants.toml", PARAMS)
+            .expect("the parameters are in order");
         Graph::new(&self.pipeline, &params, &[] as &[Target]).expect("the graph is in order")
     }
 
@@ -173,7 +193,12 @@ impl Cage {
         schedule::execute(&run, workers)?;
         let made = Lock::of(&run, "mutants", encounter::engine::code::RUSTC, &BTreeMap::new())?;
         let whole = true;
-        let against = Against { lock, ordinary, whole, workers };
+        let against = Against {
+            lock,
+            ordinary,
+            whole,
+            workers,
+        };
         compare(&run, &made, &against)
     }
 
@@ -201,8 +226,16 @@ fn is_caught<const KIND: u8>(path: &str) {
         let difference = first.difference.as_ref().expect("both outputs are at hand");
         assert!(difference.path.starts_with(path), "{difference}");
         assert!(difference.ulp.is_some_and(|ulp| ulp > 0), "{difference}");
-        assert!(rebuilt.differences[0].starts_with("mutant: "), "{:?}", rebuilt.differences);
-        assert_eq!((rebuilt.differences.len(), rebuilt.downstream), (1, 1), "the follower follows");
+        assert!(
+            rebuilt.differences[0].starts_with("mutant: "),
+            "{:?}",
+            rebuilt.differences
+        );
+        assert_eq!(
+            (rebuilt.differences.len(), rebuilt.downstream),
+            (1, 1),
+            "the follower follows"
+        );
         let error = error_of(&rebuilt);
         assert_eq!(error.exit_code(), 4);
         assert!(error.to_string().starts_with("mutant/"), "{error}");
@@ -239,7 +272,13 @@ fn a_mutant_that_is_left_out_of_the_store_is_caught() {
     let rebuilt = cage.rebuild(&lock, 2, &cage.ordinary()).expect("the rebuild ends");
     let first = rebuilt.first.as_ref().expect("the mutant differs");
     assert_eq!((first.node.as_str(), first.reproducible), ("mutant/0", false));
-    assert!(first.verdict.starts_with("made three times just now, on 2 and 1 threads"), "{}", first.verdict);
+    assert!(
+        first
+            .verdict
+            .starts_with("made three times just now, on 2 and 1 threads"),
+        "{}",
+        first.verdict
+    );
     assert_eq!(error_of(&rebuilt).exit_code(), 4);
 }
 
@@ -249,7 +288,9 @@ fn a_sound_stage_passes_on_any_number_of_threads() {
     let lock = cage.lock(1);
     assert_eq!(lock.lines[1].pieces, Some(PIECES as usize));
     for workers in [1, 2, 4] {
-        let rebuilt = cage.rebuild(&lock, workers, &cage.ordinary()).expect("the rebuild ends");
+        let rebuilt = cage
+            .rebuild(&lock, workers, &cage.ordinary())
+            .expect("the rebuild ends");
         assert_eq!(rebuilt, Rebuilt::default());
         assert!(rebuilt.error(Path::new("mutants.lock")).is_none());
     }
@@ -267,7 +308,13 @@ fn what_changed_between_runs_is_told_by_the_record_of_the_same_key() {
     let difference = first.difference.as_ref().expect("both outputs are at hand").to_string();
     assert!(difference.starts_with("numbers[1]  1.0 / 2.0 ("), "{difference}");
     assert!(difference.contains("; 1 of 3 differ, at most "), "{difference}");
-    assert!(first.verdict.contains("recorded otherwise by the same compiler on the same system"), "{}", first.verdict);
+    assert!(
+        first
+            .verdict
+            .contains("recorded otherwise by the same compiler on the same system"),
+        "{}",
+        first.verdict
+    );
     assert_eq!(error_of(&rebuilt).exit_code(), 4);
     assert_eq!(cage.quarantined(), 2);
 }
@@ -282,10 +329,19 @@ fn without_the_old_objects_a_change_is_a_difference_of_a_stage_that_reproduces_i
     let first = rebuilt.first.as_ref().expect("the mutant differs");
     assert_eq!((first.node.as_str(), first.reproducible), ("mutant", true));
     assert!(first.difference.is_none());
-    assert!(first.verdict.starts_with("made once more, on 1 thread, it came out the same; "), "{}", first.verdict);
+    assert!(
+        first
+            .verdict
+            .starts_with("made once more, on 1 thread, it came out the same; "),
+        "{}",
+        first.verdict
+    );
     let error = error_of(&rebuilt);
     assert_eq!(error.exit_code(), 3);
-    assert!(error.to_string().contains("1 more line of the lock follows from this"), "{error}");
+    assert!(
+        error.to_string().contains("1 more line of the lock follows from this"),
+        "{error}"
+    );
 }
 
 #[test]
@@ -301,7 +357,8 @@ fn bits_that_another_compiler_recorded_are_a_difference_and_name_it() {
             let (body, _) = text.rsplit_once(",\"check\":\"").expect("a record ends in its check");
             let body = body.replace(encounter::engine::code::RUSTC, "rustc 1.0.0");
             let check = blake3::hash(body.as_bytes()).to_hex();
-            std::fs::write(file.path(), format!("{body},\"check\":\"{check}\"}}\n")).expect("the record can be written");
+            std::fs::write(file.path(), format!("{body},\"check\":\"{check}\"}}\n"))
+                .expect("the record can be written");
             forged += 1;
         }
     }
@@ -309,6 +366,10 @@ fn bits_that_another_compiler_recorded_are_a_difference_and_name_it() {
     let rebuilt = cage.rebuild(&lock, 2, &cage.ordinary()).expect("the rebuild ends");
     let first = rebuilt.first.as_ref().expect("the mutant differs");
     assert!(first.reproducible && first.difference.is_some(), "{first:?}");
-    assert!(first.verdict.contains("it was recorded with rustc 1.0.0 on "), "{}", first.verdict);
+    assert!(
+        first.verdict.contains("it was recorded with rustc 1.0.0 on "),
+        "{}",
+        first.verdict
+    );
     assert_eq!(error_of(&rebuilt).exit_code(), 3);
 }
