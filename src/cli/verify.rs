@@ -11,7 +11,7 @@ use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::json;
 
-use crate::cli::progress::Progress;
+use crate::cli::progress::{Progress, tell};
 use crate::cli::run::workers;
 use crate::cli::{Common, Session, print_json, say};
 use crate::engine::audit::{Audit, Finding, audit};
@@ -19,7 +19,7 @@ use crate::engine::code;
 use crate::engine::difference::grouped;
 use crate::engine::error::{Error, Result};
 use crate::engine::event::Event;
-use crate::engine::lock::Lock;
+use crate::engine::lock::{Line, Lock};
 use crate::engine::publish;
 use crate::engine::rebuild::{Against, Rebuilt, compare};
 use crate::engine::run::Run;
@@ -114,11 +114,10 @@ fn verify_lock(args: &VerifyArgs, session: &Session) -> Result<()> {
     let Some((first, rest)) = told.split_first() else {
         return Ok(());
     };
-    let mut text = format!("{} differs: {first}", path.display());
-    for line in rest.iter().chain(&toolchains) {
-        text += &format!("\n  {line}");
-    }
-    Err(Error::Difference(text))
+    let head = format!("{} differs: {first}", path.display());
+    let others = rest.iter().chain(&toolchains).map(|line| format!("  {line}"));
+    let lines: Vec<String> = std::iter::once(head).chain(others).collect();
+    Err(Error::Difference(lines.join("\n")))
 }
 
 fn compare_lock(args: &VerifyArgs, session: &Session, lock: &Lock) -> Vec<String> {
@@ -230,11 +229,13 @@ fn print_audit(found: &Audit, differences: &[String], store: &Path, seconds: f64
     }
     let megabytes = found.bytes as f64 / 1e6;
     say(format_args!(
-        "{}: {} objects, {} records, {} parts; {megabytes:.1} MB hashed in {seconds:.2} s; {} damaged, {} missing, {} orphaned",
+        "{}: {} objects, {} records, {} parts, {} manifests; {megabytes:.1} MB hashed in {seconds:.2} s; {} damaged, \
+         {} missing, {} orphaned",
         store.display(),
         grouped(found.objects),
         grouped(found.records),
         grouped(found.parts),
+        grouped(found.manifests),
         grouped(found.damaged.len() as u64),
         grouped(found.missing.len() as u64),
         grouped(found.orphaned.len() as u64)
@@ -299,6 +300,14 @@ fn rebuild(args: &VerifyArgs, session: &Session, lock: &Lock) -> Result<Rebuilt>
     outcome?;
     let texts = publish::texts(&run, SHIP, &session.ships)?;
     let made = Lock::of(&run, args.common.profile.name(), code::RUSTC, &texts)?;
+    let differs = |line: &&Line| {
+        lock.lines
+            .iter()
+            .any(|own| own.name == line.name && own.content != line.content)
+    };
+    if let Some(line) = made.lines.iter().find(differs) {
+        tell(&format!("{} differs; making it once more", line.name));
+    }
     let against = Against {
         lock,
         ordinary: &session.look_at_store(),

@@ -3,7 +3,7 @@
 //!
 //! | found | means |
 //! |---|---|
-//! | damaged | an object, record or part whose bytes do not hash to what they should |
+//! | damaged | an object, record, part or manifest whose bytes do not hash to what they should |
 //! | orphaned | an object that no record names, or a file that is none of the store's: garbage, never served |
 //! | missing | a record's object is not there: made again when it is needed |
 //!
@@ -20,6 +20,7 @@ use serde::Serialize;
 
 use crate::engine::error::{Error, Result};
 use crate::engine::id::Id;
+use crate::engine::manifest;
 use crate::engine::object;
 use crate::engine::record::Record;
 
@@ -37,6 +38,8 @@ pub struct Audit {
     pub records: u64,
     /// Parts (code tables and parameters that records name) looked at.
     pub parts: u64,
+    /// Manifests (the pieces that a content consists of) looked at.
+    pub manifests: u64,
     /// Bytes read.
     pub bytes: u64,
     /// Bytes that are not what their name says.
@@ -62,12 +65,15 @@ pub struct Finding {
 pub type Heard<'a> = dyn Fn(u64, u64) + Sync + 'a;
 
 /// A file of the store and its length.
-pub(crate) type Listed = (PathBuf, u64);
+type Listed = (PathBuf, u64);
 
 /// One file looked at: bytes read, or what is wrong.
 type Checked<T> = (T, std::result::Result<u64, String>);
 
-/// Rehashes every object, record and part of a store; moves the damaged ones to its `quarantine/`.
+/// Tells what is wrong with a file.
+type Check<'a> = dyn Fn(&Path) -> std::result::Result<(), String> + Sync + 'a;
+
+/// Rehashes every object, record, part and manifest of a store; moves the damaged ones to its `quarantine/`.
 ///
 /// # Errors
 /// A store that is not there, or a folder that cannot be read or written.
@@ -80,8 +86,9 @@ pub fn audit(root: &Path, workers: usize, heard: &Heard<'_>) -> Result<Audit> {
     // A record is written after its object: listed first, none of them waits for an object yet to come.
     let records = files(&root.join("records"))?;
     let parts = files(&root.join("parts"))?;
+    let manifests = files(&root.join("manifests"))?;
     let objects = files(&root.join("objects"))?;
-    let total: u64 = [&records, &parts, &objects]
+    let total: u64 = [&records, &parts, &manifests, &objects]
         .into_iter()
         .flatten()
         .map(|(_, bytes)| bytes)
@@ -93,10 +100,12 @@ pub fn audit(root: &Path, workers: usize, heard: &Heard<'_>) -> Result<Audit> {
         objects: objects.len() as u64,
         records: records.len() as u64,
         parts: parts.len() as u64,
+        manifests: manifests.len() as u64,
         ..Audit::default()
     };
     let named = pool.install(|| audit.records(root, &records, &look))?;
-    pool.install(|| audit.parts(root, &parts, &look))?;
+    pool.install(|| audit.lists(root, &parts, &part, &look))?;
+    pool.install(|| audit.lists(root, &manifests, &|path| list_of_pieces(root, path), &look))?;
     pool.install(|| audit.objects(root, &objects, &named, &look))?;
     for list in [&mut audit.damaged, &mut audit.orphaned, &mut audit.missing] {
         list.sort();
@@ -144,11 +153,12 @@ impl Audit {
         Ok(named)
     }
 
-    fn parts(&mut self, root: &Path, files: &[Listed], look: &(dyn Fn(u64) + Sync)) -> Result<()> {
+    /// Parts or manifests: what records or contents consist of.
+    fn lists(&mut self, root: &Path, files: &[Listed], check: &Check<'_>, look: &(dyn Fn(u64) + Sync)) -> Result<()> {
         let checked: Vec<Checked<&PathBuf>> = files
             .par_iter()
             .map(|(path, bytes)| {
-                let found = part(path).map(|()| *bytes);
+                let found = check(path).map(|()| *bytes);
                 look(*bytes);
                 (path, found)
             })
@@ -156,7 +166,9 @@ impl Audit {
         for (path, found) in checked {
             match found {
                 Ok(bytes) => self.bytes += bytes,
-                Err(_) if name(root, "parts", path).is_none() => self.orphaned.push(finding(root, path, "", STRAY)),
+                Err(_) if name(root, kind(root, path), path).is_none() => {
+                    self.orphaned.push(finding(root, path, "", STRAY));
+                }
                 Err(why) => self.put_away(root, path, String::new(), why)?,
             }
         }
@@ -225,10 +237,9 @@ impl Audit {
     fn put_away(&mut self, root: &Path, path: &Path, node: String, why: String) -> Result<()> {
         let folder = root.join("quarantine");
         fs::create_dir_all(&folder).map_err(Error::io("make the folder", &folder))?;
-        let kind = path.strip_prefix(root).ok().and_then(|path| path.iter().next());
-        let kind = kind.map(|kind| kind.to_string_lossy().into_owned()).unwrap_or_default();
-        let name = name(root, &kind, path).unwrap_or_else(|| leaf(path));
-        let suffix = if kind == "objects" { "" } else { ".json" };
+        let kind = kind(root, path);
+        let name = name(root, kind, path).unwrap_or_else(|| leaf(path));
+        let suffix = if is_json(kind) { ".json" } else { "" };
         match fs::rename(path, folder.join(format!("{name}{suffix}"))) {
             Err(why) if why.kind() != ErrorKind::NotFound => {
                 return Err(Error::io("move to quarantine", path)(why));
@@ -269,21 +280,31 @@ fn within(root: &Path, path: &Path) -> String {
     parts.join("/")
 }
 
+/// The folder of the store that a file lies in.
+fn kind<'p>(root: &Path, path: &'p Path) -> &'p str {
+    let inner = path.strip_prefix(root).ok().and_then(|inner| inner.iter().next());
+    inner.and_then(|kind| kind.to_str()).unwrap_or_default()
+}
+
+fn is_json(kind: &str) -> bool {
+    kind == "records" || kind == "parts"
+}
+
 fn leaf(path: &Path) -> String {
     path.file_name()
         .map(|name| name.to_string_lossy().into_owned())
         .unwrap_or_default()
 }
 
-/// The hexadecimal name that a path within `objects/`, `records/` or `parts/` stands for.
+/// The hexadecimal name that a path within a folder of the store stands for.
 fn name(root: &Path, kind: &str, path: &Path) -> Option<String> {
     let inner = path.strip_prefix(root.join(kind)).ok()?;
     let parts: Option<Vec<&str>> = inner.iter().map(|part| part.to_str()).collect();
     let hex = parts?.concat();
-    let hex = if kind == "objects" {
-        hex.as_str()
-    } else {
+    let hex = if is_json(kind) {
         hex.strip_suffix(".json")?
+    } else {
+        hex.as_str()
     };
     // Parse and print: one spelling a name.
     Id::parse(hex).map(|id| id.to_string()).filter(|one| one == hex)
@@ -321,8 +342,18 @@ fn part(path: &Path) -> std::result::Result<(), String> {
     Ok(())
 }
 
+fn list_of_pieces(root: &Path, path: &Path) -> std::result::Result<(), String> {
+    let content = name(root, "manifests", path)
+        .and_then(|hex| Id::parse(&hex))
+        .ok_or(STRAY)?;
+    let bytes = fs::read(path).map_err(|why| format!("it cannot be read: {why}"))?;
+    let ids = manifest::parse(&content, &bytes);
+    ids.map(|_| ())
+        .ok_or_else(|| "its ids do not hash to the name".to_owned())
+}
+
 /// Every file below a folder, sorted; none if there is no such folder.
-pub(crate) fn files(folder: &Path) -> Result<Vec<Listed>> {
+fn files(folder: &Path) -> Result<Vec<Listed>> {
     let mut listed = Vec::new();
     let entries = match fs::read_dir(folder) {
         Err(why) if why.kind() == ErrorKind::NotFound => return Ok(listed),

@@ -186,12 +186,11 @@ impl Walk {
             let path = Path::Field(path, name);
             // In structs, and in maps with the same keys, a field has the same place on both sides.
             let same = b.get(place).filter(|(other, _)| other == name);
-            match same.or_else(|| b.iter().find(|(other, _)| other == name)) {
-                Some((_, other)) => self.both(inner, other, &path),
-                None => {
-                    self.all_differ(leaves(inner));
-                    self.found(&path, || (shown(inner), absent()), None);
-                }
+            if let Some((_, other)) = same.or_else(|| b.iter().find(|(other, _)| other == name)) {
+                self.both(inner, other, &path);
+            } else {
+                self.all_differ(leaves(inner));
+                self.found(&path, || (shown(inner), absent()), None);
             }
         }
         for (name, inner) in b.iter().filter(|(name, _)| a.iter().all(|(other, _)| other != name)) {

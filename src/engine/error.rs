@@ -67,8 +67,11 @@ pub enum Error {
 /// Difference and note on lines of their own.
 fn told(difference: Option<&Difference>, note: &str) -> String {
     let note = Some(note.to_owned()).filter(|note| !note.is_empty());
-    let lines = difference.map(ToString::to_string).into_iter().chain(note);
-    lines.map(|line| format!("\n  {line}")).collect()
+    let told: Vec<String> = difference.map(ToString::to_string).into_iter().chain(note).collect();
+    if told.is_empty() {
+        return String::new();
+    }
+    format!("\n  {}", told.join("\n  "))
 }
 
 impl Error {

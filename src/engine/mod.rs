@@ -23,7 +23,7 @@
 //! finds its old records.
 //!
 //! On disk: `objects/` (header and payload, named by id), `records/` (key -> id), `tmp/` (being written), `quarantine/`
-//! (damaged objects), `PROFILE.lock` (the committed contents). Publication: object, then record, each by a temporary file
+//! (damaged files, and both outputs of a stage that is not reproducible), `PROFILE.lock` (the committed contents). Publication: object, then record, each by a temporary file
 //! and a rename, synchronised before the record counts. An object without a record is garbage, never a lie; a record whose
 //! object is gone or damaged is a miss: made again, and required to have its recorded id.
 //!
@@ -31,7 +31,7 @@
 //! one and it has left memory, it is made again and checked.
 //!
 //! Order of reading: `stage`, `arrow`, `node`; `case`, `params`, `pipeline`, `graph`; `key`, `code`, `run`, `schedule`;
-//! `store`, `object`, `record`; `lock`, `verify`, `publish`.
+//! `store`, `object`, `record`; `lock`, `verify`, `audit`, `rebuild`, `difference`, `publish`.
 
 pub mod arrow;
 pub mod audit;
@@ -47,6 +47,7 @@ pub mod graph;
 pub mod id;
 pub mod key;
 pub mod lock;
+mod manifest;
 mod memo;
 pub mod node;
 mod object;

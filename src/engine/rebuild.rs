@@ -12,20 +12,18 @@
 //! Tested in `tests/cache/verify.rs` and `tests/reliability/mutants.rs`.
 
 use std::collections::BTreeSet;
-use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use rayon::iter::{IntoParallelRefIterator, ParallelIterator};
 use serde::Serialize;
 
-use crate::engine::audit;
 use crate::engine::codec::CODEC;
 use crate::engine::difference::Difference;
 use crate::engine::error::{Error, Result};
 use crate::engine::id::{Id, schema_number};
 use crate::engine::lock::{Line, Lock};
-use crate::engine::record::Record;
-use crate::engine::run::{Run, content_of};
+use crate::engine::manifest;
+use crate::engine::run::Run;
 use crate::engine::store::{Found, Store};
 use crate::engine::twice::{elsewhere, keep};
 use crate::engine::verify::{between, recipe_reason, toolchains};
@@ -94,26 +92,34 @@ impl Rebuilt {
                 recorded: first.earlier.clone(),
                 made: first.later.clone(),
                 difference: first.difference.clone().map(Box::new),
-                note: first.verdict.clone(),
+                note: self.with_others(&first.verdict),
             });
         }
         let (one, others) = self.differences.split_first()?;
-        let mut text = format!("{} differs: {one}", lock.display());
+        let mut lines = vec![format!("{} differs: {one}", lock.display())];
         if let Some(first) = &self.first {
-            if let Some(difference) = &first.difference {
-                text += &format!("\n  {}: {difference}", first.node);
-            }
-            text += &format!("\n  {}", first.verdict);
+            let difference = first.difference.as_ref();
+            lines.extend(difference.map(|difference| format!("  {}: {difference}", first.node)));
+            lines.push(format!("  {}", first.verdict));
         }
-        if !others.is_empty() {
-            text += &format!("\nand {} more:\n{}", others.len(), others.join("\n"));
-        }
+        lines.extend(others.iter().map(|other| format!("  {other}")));
         match self.downstream {
             0 => {}
-            1 => text += "\n1 more line of the lock follows from this",
-            more => text += &format!("\n{more} more lines of the lock follow from this"),
+            1 => lines.push("  1 more line of the lock follows from this".to_owned()),
+            more => lines.push(format!("  {more} more lines of the lock follow from this")),
         }
-        Some(Error::Difference(text))
+        Some(Error::Difference(lines.join("\n")))
+    }
+}
+
+impl Rebuilt {
+    /// A verdict on the first difference, and how many more there are.
+    fn with_others(&self, verdict: &str) -> String {
+        match (self.differences.len() + self.downstream).saturating_sub(1) {
+            0 => verdict.to_owned(),
+            1 => format!("{verdict}\n  1 more line of the lock differs"),
+            more => format!("{verdict}\n  {more} more lines of the lock differ"),
+        }
     }
 }
 
@@ -170,28 +176,21 @@ pub fn compare(run: &Run<'_>, made: &Lock, against: &Against<'_>) -> Result<Rebu
 }
 
 fn look_into(run: &Run<'_>, node: usize, line: &Line, against: &Against<'_>) -> Result<First> {
-    let pieces: Vec<usize> = (0..run.graph.nodes[node].pieces.len()).collect();
-    let recorded = recorded(run, node, line, against.ordinary);
-    let differs = |piece: &usize| {
-        let record = recorded.as_ref().and_then(|records| records[*piece].as_ref());
-        record.is_none_or(|record| Some(&record.id) != run.id(node, *piece).map(|id| id.to_string()).as_ref())
-    };
-    let differing: Vec<usize> = pieces.into_iter().filter(differs).collect();
+    let it = &run.graph.nodes[node];
+    let earlier = earlier(run, node, line, against.ordinary);
+    let id = |piece: usize| earlier.as_ref().and_then(|ids| ids.get(piece).copied().flatten());
+    let pieces = (0..it.pieces.len()).filter(|piece| id(*piece).is_none() || id(*piece) != run.id(node, *piece));
+    let differing: Vec<usize> = pieces.collect();
     let threads = if against.workers == 1 { 2 } else { 1 };
     if let Some((piece, again)) = made_otherwise(run, node, &differing, threads)? {
         return not_itself(run, node, piece, &again, against, threads);
     }
-    let record = recorded.as_ref().and_then(|records| {
-        differing
-            .iter()
-            .find_map(|piece| Some((*piece, records[*piece].as_ref()?)))
-    });
-    let twice =
-        format!("made once more, on {threads} threads, it came out the same").replace(" 1 threads", " 1 thread");
-    match record {
-        Some((piece, record)) => as_recorded(run, node, piece, record, line, against, &twice),
+    let plural = if threads == 1 { "" } else { "s" };
+    let twice = format!("made once more, on {threads} thread{plural}, it came out the same");
+    match differing.iter().find_map(|piece| Some((*piece, id(*piece)?))) {
+        Some((piece, id)) => itself(run, (node, piece), &id, line, against, &twice),
         None => Ok(First {
-            node: run.graph.nodes[node].name(),
+            node: it.name(),
             earlier: line.content.to_string(),
             later: run.content(node).map(|id| id.to_string()).unwrap_or_default(),
             difference: None,
@@ -255,12 +254,11 @@ fn not_itself(
     })
 }
 
-/// A piece that is the same each time, but not what was recorded.
-fn as_recorded(
+/// A piece that is the same each time, but not what it was.
+fn itself(
     run: &Run<'_>,
-    node: usize,
-    piece: usize,
-    record: &Record,
+    (node, piece): (usize, usize),
+    id: &Id,
     line: &Line,
     against: &Against<'_>,
     twice: &str,
@@ -268,36 +266,39 @@ fn as_recorded(
     let it = &run.graph.nodes[node];
     let schema = schema_number(it.node.schema());
     let bytes = run.bytes(node, piece)?;
-    let earlier = Id::parse(&record.id).map(|id| against.ordinary.read(&id, Some(schema)));
-    // An object of another layout under the same name has nothing that could be compared.
-    let difference = match &earlier {
-        Some(Found::Bytes(earlier)) => it.node.difference(earlier, &bytes).ok().flatten(),
-        _ => None,
+    let earlier = match against.ordinary.read(id, Some(schema)) {
+        Found::Bytes(bytes) => Some(bytes),
+        Found::Missing | Found::Damaged(_) => None,
     };
-    let since = elsewhere(record, "");
-    let same_key = run.key(node, piece).is_some_and(|key| key.to_string() == record.key);
-    let reproducible = !same_key || !since.is_empty();
-    let mut verdict = match (same_key, since.as_str()) {
-        (true, "") => {
-            keep(against.ordinary, schema, &bytes);
-            if let Some(Found::Bytes(earlier)) = &earlier {
-                keep(against.ordinary, schema, earlier);
-            }
-            let yet = "yet it was recorded otherwise by the same compiler on the same system";
-            format!("{twice}, {yet}; what is at hand is kept in quarantine/")
+    // What an older layout says cannot be decoded any more.
+    let difference = earlier
+        .as_ref()
+        .and_then(|earlier| it.node.difference(earlier, &bytes).ok().flatten());
+    let record = run.key(node, piece).and_then(|key| against.ordinary.record(&key));
+    let since = record
+        .filter(|record| record.id == id.to_string())
+        .map(|record| elsewhere(&record, ""));
+    let mut verdict = match since.as_deref() {
+        Some("") => format!("{twice}, yet it was recorded otherwise by the same compiler on the same system"),
+        Some(since) => format!("{twice}; it was recorded with {since}"),
+        None => format!("{twice}; {}", change(run, node, line, against)),
+    };
+    if since.as_deref() == Some("") {
+        keep(against.ordinary, schema, &bytes);
+        if let Some(earlier) = &earlier {
+            keep(against.ordinary, schema, earlier);
         }
-        (true, since) => format!("{twice}; it was recorded with {since}"),
-        (false, _) => format!("{twice}; {}", change(run, node, line, against)),
-    };
-    if difference.is_none() {
+        verdict += "; what is at hand is kept in quarantine/";
+    }
+    if earlier.is_none() {
         verdict += "; the recorded output is gone";
     }
     Ok(First {
         node: it.piece_name(piece),
-        earlier: record.id.clone(),
+        earlier: id.to_string(),
         later: id_of(run, node, &bytes).to_string(),
         difference,
-        reproducible,
+        reproducible: since.as_deref() != Some(""),
         verdict,
     })
 }
@@ -314,43 +315,17 @@ fn change(run: &Run<'_>, node: usize, line: &Line, against: &Against<'_>) -> Str
     told.join("; ")
 }
 
-/// The records of a node's pieces that the lock speaks of, or, where there are none such, of the same keys.
-fn recorded(run: &Run<'_>, node: usize, line: &Line, ordinary: &Store) -> Option<Vec<Option<Record>>> {
-    let it = &run.graph.nodes[node];
-    let under = |code: &[u8; 32]| -> Vec<Option<Record>> {
-        let record = |piece| ordinary.record(&run.key_under(code, node, piece)?);
-        (0..it.pieces.len()).map(record).collect()
-    };
-    let is_of_the_lock = |records: &Vec<Option<Record>>| {
-        let id = |record: &Option<Record>| Id::parse(&record.as_ref()?.id);
-        let ids: Option<Vec<Id>> = records.iter().map(id).collect();
-        ids.is_some_and(|ids| content_of(&ids) == line.content)
-    };
-    let own = under(&it.code);
-    if is_of_the_lock(&own) {
-        return Some(own);
+/// The ids of a node's pieces that the lock speaks of; else, where they differ, those recorded under the same keys.
+fn earlier(run: &Run<'_>, node: usize, line: &Line, ordinary: &Store) -> Option<Vec<Option<Id>>> {
+    let pieces = run.graph.nodes[node].pieces.len();
+    if let Some(ids) = manifest::pieces(ordinary.root(), &line.content) {
+        return Some(ids.into_iter().map(Some).collect());
     }
-    let earlier = codes(ordinary, it.node.name());
-    let of_the_lock = earlier.iter().map(under).find(is_of_the_lock);
-    let is_other = |(piece, record): (usize, &Option<Record>)| {
-        let made = run.id(node, piece).map(|id| id.to_string());
-        record.as_ref().is_some_and(|record| Some(&record.id) != made.as_ref())
-    };
-    of_the_lock.or_else(|| own.iter().enumerate().any(is_other).then_some(own))
-}
-
-/// Every code fingerprint that a store has records of a stage under.
-fn codes(store: &Store, stage: &str) -> BTreeSet<[u8; 32]> {
-    let files = audit::files(&store.root().join("records")).unwrap_or_default();
-    let code = |file: &PathBuf| {
-        let record = Record::parse(&fs::read_to_string(file).ok()?)?;
-        let of_stage = record.node.split('/').next() == Some(stage);
-        Some(
-            *blake3::Hash::from_hex(&record.code)
-                .ok()
-                .filter(|_| of_stage)?
-                .as_bytes(),
-        )
-    };
-    files.iter().filter_map(|(file, _)| code(file)).collect()
+    if line.pieces == Some(1) && ordinary.has(&line.content) {
+        return Some(vec![Some(line.content)]);
+    }
+    let recorded = |piece| Id::parse(&ordinary.record(&run.key(node, piece)?)?.id);
+    let ids: Vec<Option<Id>> = (0..pieces).map(recorded).collect();
+    let is_other = |(piece, id): (usize, &Option<Id>)| id.is_some() && *id != run.id(node, piece);
+    ids.iter().enumerate().any(is_other).then_some(ids)
 }

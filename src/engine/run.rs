@@ -27,11 +27,6 @@ const MISSING: &str = "its object is missing";
 /// Whoever wants to know what happens.
 pub type Listener<'a> = dyn Fn(&Event) + Sync + 'a;
 
-/// The content of a node from the ids of its pieces.
-pub(crate) fn content_of(ids: &[Id]) -> Id {
-    if let [only] = ids { *only } else { Id::of_manifest(ids) }
-}
-
 /// The state of one walk through a graph.
 pub struct Run<'g> {
     pub(crate) graph: &'g Graph,
@@ -97,24 +92,22 @@ impl<'g> Run<'g> {
         }
         let ids: Option<Vec<Id>> = (0..self.known[node].len()).map(|piece| self.id(node, piece)).collect();
         let ids = ids?;
-        Some(*self.contents[node].get_or_init(|| content_of(&ids)))
+        let content = if let [only] = ids.as_slice() {
+            *only
+        } else {
+            Id::of_manifest(&ids)
+        };
+        Some(*self.contents[node].get_or_init(|| content))
     }
 
     /// The key of a piece, if the ids of all its inputs are known.
     pub fn key(&self, node: usize, piece: usize) -> Option<Key> {
-        self.key_under(&self.graph.nodes[node].code, node, piece)
-    }
-
-    /// The key that a piece has under other code.
-    pub(crate) fn key_under(&self, code: &[u8; 32], node: usize, piece: usize) -> Option<Key> {
         let inputs: Option<Vec<InputKey>> = self.graph.nodes[node]
             .links
             .iter()
             .map(|link| self.input_key(link, piece))
             .collect();
-        let mut preimage = self.preimage(node, piece, inputs?);
-        preimage.code = *code;
-        Some(preimage.key())
+        Some(self.preimage(node, piece, inputs?).key())
     }
 
     fn preimage(&self, node: usize, piece: usize, inputs: Vec<InputKey>) -> Preimage<'_> {

@@ -86,6 +86,36 @@ fn a_hostile_lock_is_an_error_with_its_line() {
 }
 
 #[test]
+fn what_a_lock_was_made_with_is_read_and_never_compared() {
+    let house = House::new();
+    let lock = house.run().locked();
+    let (head, rest) = lock
+        .text()
+        .split_once('\n')
+        .map(|(a, b)| (a.to_owned(), b.to_owned()))
+        .expect("lines");
+    let words = [
+        (
+            "made-with crates pxfm 0.1.30, syn 2.0.1 3.0.9\nmade-with code cic 00ff, nic 11ff",
+            2,
+            2,
+        ),
+        ("made-with crates , ,,\nmade-with code ,", 0, 0),
+        ("made-with crates pxfm\nmade-with code cic", 1, 1),
+        ("made-with crates pxfm 1, pxfm 2", 1, 0),
+    ];
+    for (text, crates, code) in words {
+        let read = Lock::parse(&format!("{head}\n{text}\n{rest}")).expect("a lock");
+        assert_eq!((read.crates.len(), read.code.len()), (crates, code), "{text}");
+        assert_eq!(read.lines, lock.lines);
+        assert_eq!(house.against(&read), NOTHING);
+        assert_eq!(between(&read, &lock), NOTHING);
+        assert_eq!(Lock::parse(&read.text()).expect("our own text").crates, read.crates);
+    }
+    assert!(Lock::parse(&format!("{head}\nmade-with something else\n{rest}")).is_err());
+}
+
+#[test]
 fn a_path_in_a_lock_never_leaves_the_figures_folder() {
     let house = House::new();
     let mut lock = house.run().locked();

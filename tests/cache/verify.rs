@@ -5,6 +5,7 @@ use encounter::engine::audit::{Audit, audit};
 use encounter::engine::codec;
 use encounter::engine::difference::{Difference, grouped, ulp_distance};
 use encounter::engine::error::{Error, Result};
+use encounter::engine::id::Id;
 use encounter::engine::node::node;
 use encounter::engine::stage::{Here, Published, Stage};
 use serde::{Deserialize, Serialize};
@@ -106,7 +107,7 @@ fn the_first_value_that_differs_is_named_with_its_distance() {
     let next = |x: f64| f64::from_bits(x.to_bits() + 1);
     reads(
         |it| {
-            it.maxima[1042].r = 1042.250_000_000_000_2;
+            it.maxima[1042].r = next(1042.25);
             it.maxima[1044].r = next(next(1044.25));
             it.maxima[1999].r = next(1999.25);
         },
@@ -284,7 +285,7 @@ fn a_sound_store_has_nothing_to_tell() {
             house.files_in("store/records").len() as u64
         )
     );
-    let files = ["objects", "records", "parts"].map(|kind| house.files_in(&format!("store/{kind}")));
+    let files = ["objects", "records", "parts", "manifests"].map(|kind| house.files_in(&format!("store/{kind}")));
     let length = |path: &PathBuf| fs::metadata(path).expect("the file is there").len();
     assert_eq!(found.bytes, files.iter().flatten().map(length).sum::<u64>());
     assert!(
@@ -298,8 +299,8 @@ fn a_flipped_bit_in_any_file_is_found_there_and_nowhere_else() {
     let house = House::new();
     let done = house.run();
     let (key, id) = done.known["squares/a/1"];
-    let part = part(&house);
-    for path in [house.object(&id), house.record(&key), part] {
+    let lists = [part(&house), manifest(&house, &[id, done.known["squares/a/2"].1])];
+    for path in [house.object(&id), house.record(&key)].into_iter().chain(lists) {
         let good = fs::read(&path).expect("the file is there");
         for byte in (0..good.len())
             .step_by(7)
@@ -321,7 +322,17 @@ fn a_flipped_bit_in_any_file_is_found_there_and_nowhere_else() {
         let found = audited(&house);
         assert!(found.damaged.is_empty(), "{found:?}");
     }
-    assert_eq!(house.files_in("store/quarantine").len(), 3);
+    assert_eq!(house.files_in("store/quarantine").len(), 4);
+}
+
+/// Puts a manifest into the store: ids in a row, named by their hash.
+fn manifest(house: &House, ids: &[Id]) -> PathBuf {
+    let hex = Id::of_manifest(ids).to_string();
+    let path = house.path("store/manifests").join(&hex[..2]).join(&hex[2..]);
+    fs::create_dir_all(path.parent().expect("a folder")).expect("a folder can be made");
+    let bytes: Vec<u8> = ids.iter().flat_map(|id| id.0).collect();
+    fs::write(&path, bytes).expect("a manifest can be written");
+    path
 }
 
 /// Puts a part into the store: an object whose last field is the BLAKE3 of what is before it, which is its name.
@@ -354,7 +365,7 @@ fn truncated_swapped_and_swollen_files_are_damaged() {
         damages.extend([
             other,
             [good.as_slice(), b"x"].concat(),
-            [good.as_slice(), &[0; 1 << 20]].concat(),
+            [good.as_slice(), vec![0; 1 << 20].as_slice()].concat(),
         ]);
         for (i, damaged) in damages.iter().enumerate() {
             fs::write(&path, damaged).expect("the file can be damaged");
@@ -479,6 +490,45 @@ fn a_rebuild_names_the_first_node_that_changed_and_its_first_value() {
             .to_string()
             .starts_with("toy.lock differs: squares/a: the lock says "),
         "{error}"
+    );
+}
+
+#[test]
+fn the_old_pieces_are_found_whatever_their_key_was() {
+    let mut house = House::new();
+    let done = house.run();
+    let pieces = [0, 1, 2].map(|piece| done.known[&format!("squares/a/{piece}")].1);
+    manifest(&house, &pieces);
+    let lock = done.locked();
+    // Squares come in pieces and are found by their manifest.
+    house.set("base.a.offset=3");
+    let first = house
+        .rebuild(&[], &lock)
+        .expect("a rebuild succeeds")
+        .first
+        .expect("squares differ");
+    assert_eq!(
+        (first.node.as_str(), first.earlier),
+        ("squares/a/0", pieces[0].to_string())
+    );
+    let difference = first.difference.expect("the old object is there").to_string();
+    assert!(
+        difference.starts_with("[0]  ") && difference.ends_with("; 10 of 10 differ"),
+        "{difference}"
+    );
+    // A total is in one piece: its content is its id.
+    house.edits.clear();
+    house.set("total.modulo=5");
+    let first = house
+        .rebuild(&[], &lock)
+        .expect("a rebuild succeeds")
+        .first
+        .expect("the total differs");
+    assert_eq!(first.node, "total/a");
+    let difference = first.difference.expect("the old object is there").to_string();
+    assert!(
+        difference.starts_with("value  ") && difference.ends_with("; 1 of 1 differ"),
+        "{difference}"
     );
 }
 

@@ -1,6 +1,7 @@
 //! `verify` on the real binary: each way of it, what it says, and its exit codes.
 
 use crate::common::program::{Program, keys};
+use encounter::engine::lock::Lock;
 use serde_json::Value;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -50,6 +51,7 @@ fn a_damaged_store_is_told_quarantined_and_repaired_by_a_run() {
         "damaged",
         "differences",
         "format",
+        "manifests",
         "missing",
         "objects",
         "orphaned",
@@ -250,6 +252,15 @@ fn another_version_of_an_outside_crate_and_another_compiler_are_named() {
     });
     let said = program.call(&["verify", "--lock"]);
     assert_eq!((said.code, said.stderr.as_str()), (0, ""));
+}
+
+#[test]
+fn the_lock_of_the_paper_reads_back_as_it_was_written() {
+    let lock = Lock::parse(&LOCK).expect("our own lock");
+    assert_eq!(lock.text(), *LOCK);
+    assert!(lock.crates.contains_key("pxfm") && lock.code.contains_key("ground_truth"));
+    assert!(lock.code.values().all(|hash| hash.len() == 16));
+    assert!(LOCK.lines().all(|line| line.len() < 240));
 }
 
 /// The locked version of a crate.
