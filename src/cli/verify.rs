@@ -180,7 +180,7 @@ fn verify_store(args: &VerifyArgs, session: &Session) -> Result<()> {
         let (count, store) = (found.damaged.len(), session.store.display());
         let files = if count == 1 { "file is" } else { "files are" };
         told.push(format!(
-            "{count} {files} damaged, now in {store}/quarantine; a run makes again what it needs"
+            "{count} {files} damaged and set aside in {store}/quarantine; a run makes again what it needs"
         ));
     }
     if let Some(first) = differences.first() {

@@ -103,10 +103,10 @@ pub fn audit(root: &Path, workers: usize, heard: &Heard<'_>) -> Result<Audit> {
         manifests: manifests.len() as u64,
         ..Audit::default()
     };
-    let named = pool.install(|| audit.records(root, &records, &look))?;
-    pool.install(|| audit.lists(root, &parts, &part, &look))?;
-    pool.install(|| audit.lists(root, &manifests, &|path| list_of_pieces(root, path), &look))?;
-    pool.install(|| audit.objects(root, &objects, &named, &look))?;
+    let named = pool.install(|| audit.records(root, &records, &look));
+    pool.install(|| audit.lists(root, &parts, &part, &look));
+    pool.install(|| audit.lists(root, &manifests, &|path| list_of_pieces(root, path), &look));
+    pool.install(|| audit.objects(root, &objects, &named, &look));
     for list in [&mut audit.damaged, &mut audit.orphaned, &mut audit.missing] {
         list.sort();
     }
@@ -121,7 +121,7 @@ struct Named {
 
 impl Audit {
     /// Records that are whole: id -> what they say of it.
-    fn records(&mut self, root: &Path, files: &[Listed], look: &(dyn Fn(u64) + Sync)) -> Result<BTreeMap<Id, Named>> {
+    fn records(&mut self, root: &Path, files: &[Listed], look: &(dyn Fn(u64) + Sync)) -> BTreeMap<Id, Named> {
         let read: Vec<(&Listed, std::result::Result<Record, String>)> = files
             .par_iter()
             .map(|file| {
@@ -139,7 +139,7 @@ impl Audit {
                     continue;
                 }
                 Err(why) => {
-                    self.put_away(root, &file.0, String::new(), why)?;
+                    self.put_away(root, &file.0, "", why);
                     continue;
                 }
             };
@@ -150,11 +150,11 @@ impl Audit {
             let entry = named.entry(id).or_insert(Named { node, evicted });
             entry.evicted &= evicted;
         }
-        Ok(named)
+        named
     }
 
     /// Parts or manifests: what records or contents consist of.
-    fn lists(&mut self, root: &Path, files: &[Listed], check: &Check<'_>, look: &(dyn Fn(u64) + Sync)) -> Result<()> {
+    fn lists(&mut self, root: &Path, files: &[Listed], check: &Check<'_>, look: &(dyn Fn(u64) + Sync)) {
         let checked: Vec<Checked<&PathBuf>> = files
             .par_iter()
             .map(|(path, bytes)| {
@@ -169,19 +169,12 @@ impl Audit {
                 Err(_) if name(root, kind(root, path), path).is_none() => {
                     self.orphaned.push(finding(root, path, "", STRAY));
                 }
-                Err(why) => self.put_away(root, path, String::new(), why)?,
+                Err(why) => self.put_away(root, path, "", why),
             }
         }
-        Ok(())
     }
 
-    fn objects(
-        &mut self,
-        root: &Path,
-        files: &[Listed],
-        named: &BTreeMap<Id, Named>,
-        look: &(dyn Fn(u64) + Sync),
-    ) -> Result<()> {
+    fn objects(&mut self, root: &Path, files: &[Listed], named: &BTreeMap<Id, Named>, look: &(dyn Fn(u64) + Sync)) {
         let checked: Vec<Checked<(&PathBuf, Option<Id>)>> = files
             .par_iter()
             .map_init(
@@ -206,7 +199,7 @@ impl Audit {
             match found {
                 Ok(bytes) => self.bytes += bytes,
                 Err(why) => {
-                    self.put_away(root, path, node.to_owned(), why)?;
+                    self.put_away(root, path, node, why);
                     continue;
                 }
             }
@@ -230,29 +223,20 @@ impl Audit {
                 ));
             }
         }
-        Ok(())
     }
 
     /// Notes a damaged file and moves it out of the way.
-    fn put_away(&mut self, root: &Path, path: &Path, node: String, why: String) -> Result<()> {
+    fn put_away(&mut self, root: &Path, path: &Path, node: &str, mut why: String) {
         let folder = root.join("quarantine");
-        fs::create_dir_all(&folder).map_err(Error::io("make the folder", &folder))?;
         let kind = kind(root, path);
         let name = name(root, kind, path).unwrap_or_else(|| leaf(path));
         let suffix = if is_json(kind) { ".json" } else { "" };
-        match fs::rename(path, folder.join(format!("{name}{suffix}"))) {
-            Err(why) if why.kind() != ErrorKind::NotFound => {
-                return Err(Error::io("move to quarantine", path)(why));
-            }
-            // A run that reads may have been faster.
-            _ => {}
+        let moved = fs::create_dir_all(&folder).and_then(|()| fs::rename(path, folder.join(name + suffix)));
+        // A run that reads may have been faster.
+        if let Some(refused) = moved.err().filter(|refused| refused.kind() != ErrorKind::NotFound) {
+            why = format!("{why}; it cannot be moved to quarantine: {refused}");
         }
-        self.damaged.push(Finding {
-            path: within(root, path),
-            node,
-            why,
-        });
-        Ok(())
+        self.damaged.push(finding(root, path, node, &why));
     }
 }
 

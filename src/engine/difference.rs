@@ -1,7 +1,7 @@
 //! Difference: two artifacts of one type, decoded and walked together; where they differ first, and how far at most.
 //!
 //! Values are compared by their bits. The distance of two numbers is counted in units in the last place (ULP): how many
-//! doubles lie between them, plus one. Text is compared line by line. Tested in `tests/cache/verify.rs`.
+//! doubles lie between them, plus one. Text is compared line by line. Tested in `tests/cache/difference.rs`.
 
 use std::fmt;
 

@@ -73,7 +73,11 @@ fn a_damaged_store_is_told_quarantined_and_repaired_by_a_run() {
     fs::write(&path, &bytes).expect("the object can be damaged");
     let said = program.call(&["verify"]);
     assert_eq!(said.code, 3, "{}", said.stderr);
-    assert!(said.stderr.contains("1 file is damaged, now in "), "{}", said.stderr);
+    assert!(
+        said.stderr.contains("1 file is damaged and set aside in "),
+        "{}",
+        said.stderr
+    );
     let first = said.stdout.lines().next().expect("a line");
     assert!(first.starts_with("damaged   objects/"), "{first}");
     assert!(

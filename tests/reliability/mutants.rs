@@ -18,7 +18,7 @@ use encounter::numerics::random;
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, HashMap};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
@@ -280,6 +280,56 @@ fn a_mutant_that_is_left_out_of_the_store_is_caught() {
         first.verdict
     );
     assert_eq!(error_of(&rebuilt).exit_code(), 4);
+}
+
+#[test]
+fn a_run_that_needs_a_damaged_output_again_catches_a_mutant_too() {
+    let cage = Cage::of::<HASH_ORDER, 0>();
+    cage.lock(2);
+    let store = cage.folder.path().join("store");
+    let files = |kind: &str| -> Vec<(String, PathBuf)> {
+        let folders = std::fs::read_dir(store.join(kind)).expect("a folder").flatten();
+        let files = folders.flat_map(|folder| std::fs::read_dir(folder.path()).into_iter().flatten().flatten());
+        files
+            .map(|file| (std::fs::read_to_string(file.path()).unwrap_or_default(), file.path()))
+            .collect()
+    };
+    // The follower is to run again, and finds a mutant's object damaged.
+    let records = files("records");
+    let of = |node: &str| {
+        let node = format!("\"node\":\"{node}\"");
+        records.iter().find(|(text, _)| text.contains(&node)).expect("a record")
+    };
+    std::fs::remove_file(&of("follower").1).expect("the record can be deleted");
+    let id = of("mutant")
+        .0
+        .split("\"id\":\"")
+        .nth(1)
+        .and_then(|rest| rest.get(..64))
+        .expect("an id");
+    let object = store.join("objects").join(&id[..2]).join(&id[2..]);
+    let bytes = std::fs::read(&object).expect("the object is there");
+    std::fs::write(&object, &bytes[..bytes.len() - 1]).expect("the object can be damaged");
+
+    let (graph, ordinary) = (cage.graph(), cage.ordinary());
+    let silent = |_: &Event| {};
+    let error = schedule::execute(&Run::new(&graph, &ordinary, &silent), 2).expect_err("the mutant differs");
+    assert_eq!(error.exit_code(), 4);
+    let text = error.to_string();
+    assert!(
+        text.starts_with("mutant/") && text.contains(&format!("recorded {id}")),
+        "{text}"
+    );
+    assert!(text.contains("\n  numbers[") && text.contains(" ULP"), "{text}");
+    assert!(
+        text.contains("it differs from itself; the new output is kept in quarantine/"),
+        "{text}"
+    );
+    assert_eq!(cage.quarantined(), 2, "the damaged output and the new one");
+    // In a rebuild the same error is its verdict.
+    let rebuilt = Rebuilt::cut_short(&error).expect("a verdict");
+    assert_eq!(error_of(&rebuilt).to_string(), text);
+    assert!(Rebuilt::cut_short(&Error::stage("another error")).is_none());
 }
 
 #[test]
