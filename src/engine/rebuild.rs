@@ -177,6 +177,17 @@ pub fn compare(run: &Run<'_>, made: &Lock, against: &Against<'_>) -> Result<Rebu
 
 fn look_into(run: &Run<'_>, node: usize, line: &Line, against: &Against<'_>) -> Result<First> {
     let it = &run.graph.nodes[node];
+    let changed = |verdict: String| First {
+        node: it.name(),
+        earlier: line.content.to_string(),
+        later: run.content(node).map(|id| id.to_string()).unwrap_or_default(),
+        difference: None,
+        reproducible: true,
+        verdict,
+    };
+    if let Some(then) = line.pieces.filter(|then| *then != it.pieces.len()) {
+        return Ok(changed(format!("{then} pieces -> {}", it.pieces.len())));
+    }
     let earlier = earlier(run, node, line, against.ordinary);
     let id = |piece: usize| earlier.as_ref().and_then(|ids| ids.get(piece).copied().flatten());
     let pieces = (0..it.pieces.len()).filter(|piece| id(*piece).is_none() || id(*piece) != run.id(node, *piece));
@@ -189,14 +200,7 @@ fn look_into(run: &Run<'_>, node: usize, line: &Line, against: &Against<'_>) -> 
     let twice = format!("made once more, on {threads} thread{plural}, it came out the same");
     match differing.iter().find_map(|piece| Some((*piece, id(*piece)?))) {
         Some((piece, id)) => itself(run, (node, piece), &id, line, against, &twice),
-        None => Ok(First {
-            node: it.name(),
-            earlier: line.content.to_string(),
-            later: run.content(node).map(|id| id.to_string()).unwrap_or_default(),
-            difference: None,
-            reproducible: true,
-            verdict: format!("{twice}; {}", change(run, node, line, against)),
-        }),
+        None => Ok(changed(format!("{twice}; {}", change(run, node, line, against)))),
     }
 }
 

@@ -123,7 +123,8 @@ pub fn against_store(run: &Run<'_>, graph: &Graph, lock: &Lock) -> Vec<String> {
             continue;
         };
         if line.content != content {
-            differences.push(format!("{name}: the lock says {}, the store {content}", line.content));
+            let (then, now) = (head(&line.content), head(&content));
+            differences.push(format!("{name}: the lock says {then}, the store {now}"));
         } else if run.bytes_of_node(index).is_some_and(|bytes| bytes != line.bytes) {
             differences.push(format!("{name}: another number of bytes in the lock than in the store"));
         }
@@ -146,6 +147,11 @@ fn file_difference(figures: &Path, path: &str, content: &Id) -> Option<String> {
     }
 }
 
+/// Enough of an id to be found by.
+fn head(id: &Id) -> String {
+    format!("{}..", &id.to_string()[..12])
+}
+
 /// The lines in which two locks differ, the first one first; empty if none.
 pub fn between(committed: &Lock, made: &Lock) -> Vec<String> {
     let mut differences = Vec::new();
@@ -156,11 +162,8 @@ pub fn between(committed: &Lock, made: &Lock) -> Vec<String> {
             Some(place) => {
                 let other = rest.remove(place);
                 if other.content != line.content {
-                    let name = &line.name;
-                    differences.push(format!(
-                        "{name}: the lock says {}, made {}",
-                        line.content, other.content
-                    ));
+                    let (name, then, now) = (&line.name, head(&line.content), head(&other.content));
+                    differences.push(format!("{name}: the lock says {then}, made {now}"));
                 } else if other != line {
                     differences.push(format!("{}: same content, another recipe", line.name));
                 }

@@ -299,6 +299,23 @@ fn a_rebuild_of_a_target_compares_what_it_needs_and_no_more() {
 }
 
 #[test]
+fn another_number_of_pieces_is_told_as_such() {
+    let mut house = House::new();
+    let lock = house.run().locked();
+    house.set("draws.count=3");
+    let rebuilt = house.rebuild(&[], &lock).expect("a rebuild succeeds");
+    let first = rebuilt.first.clone().expect("draws differ");
+    assert_eq!(
+        (first.node.as_str(), first.verdict.as_str()),
+        ("draws/a", "2 pieces -> 3")
+    );
+    assert_eq!(
+        rebuilt.error(Path::new("toy.lock")).map(|error| error.exit_code()),
+        Some(3)
+    );
+}
+
+#[test]
 fn a_lock_that_was_edited_is_a_difference_of_a_reproducible_stage() {
     let house = House::new();
     let mut lock = house.run().locked();
