@@ -5,6 +5,8 @@ pub mod run;
 pub mod show;
 pub mod status;
 pub mod verify;
+pub mod why;
+mod words;
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -35,6 +37,8 @@ enum Verb {
     Run(run::RunArgs),
     /// Say what a run would do, and the state of each published file
     Status(status::StatusArgs),
+    /// Say why a node would run: the root changes, old and new, and what the rerun costs
+    Why(why::WhyArgs),
     /// Print the record and value of one node, piece or published file
     Show(show::ShowArgs),
     /// Check the committed lock: against the code, or against a run from nothing
@@ -205,6 +209,7 @@ fn act(verb: &Verb) -> Result<()> {
     match verb {
         Verb::Run(args) => same_bits().and_then(|()| run::run(args)),
         Verb::Status(args) => status::status(args),
+        Verb::Why(args) => why::why(args),
         Verb::Show(args) => show::show(args),
         Verb::Verify(args) => same_bits().and_then(|()| verify::verify(args)),
     }
