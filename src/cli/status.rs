@@ -50,9 +50,10 @@ pub(super) fn print(common: &Common, session: &Session) -> Result<()> {
         }));
         return Ok(());
     }
-    words::print(&nodes.iter().map(line).collect::<Vec<_>>());
-    for (path, state) in files.iter().filter(|(_, state)| *state != "current") {
-        say(format_args!("{path}: {state}"));
+    let longest = nodes.iter().map(|node| node.node.len()).max().unwrap_or(0);
+    words::print(&nodes.iter().map(|node| line(node, longest)).collect::<Vec<_>>());
+    for state in ["edited", "outdated", "missing"] {
+        say_files(state, &files);
     }
     let count = |of: fn(&NodePlan) -> usize| nodes.iter().map(of).sum::<usize>();
     let (will, may) = (count(|node| node.will_run), count(|node| node.may_run));
@@ -64,6 +65,22 @@ pub(super) fn print(common: &Common, session: &Session) -> Result<()> {
     say_more(&plan, &cost, (will, may));
     say_stale(&stale);
     Ok(())
+}
+
+/// The files in one state, the first few by name.
+fn say_files(state: &str, files: &[(String, &'static str)]) {
+    const MOST: usize = 4;
+    let paths: Vec<&str> = files
+        .iter()
+        .filter(|(_, of)| *of == state)
+        .map(|(path, _)| path.as_str())
+        .collect();
+    let named = paths[..paths.len().min(MOST)].join(", ");
+    match paths.len() {
+        0 => {}
+        count if count > MOST => say(format_args!("{state}: {named} and {} more", count - MOST)),
+        _ => say(format_args!("{state}: {named}")),
+    }
 }
 
 /// What the rest will cost, and which figures it may change.
@@ -104,7 +121,7 @@ pub(super) fn say_stale(stale: &[String]) {
     }
 }
 
-fn line(node: &NodePlan) -> Line {
+fn line(node: &NodePlan, longest: usize) -> Line {
     let state = match (node.will_run, node.may_run) {
         (0, 0) => format!("cached    {}", counted(node.pieces, "piece")),
         (0, may) => format!("may run   {may} of {}", counted(node.pieces, "piece")),
@@ -117,7 +134,7 @@ fn line(node: &NodePlan) -> Line {
         untimed: node.untimed,
     };
     Line {
-        left: format!("{:<8} {:<32} {state}", node.paper, node.node),
+        left: format!("{:<8} {:<longest$}  {state}", node.paper, node.node),
         right: if running == 0 {
             String::new()
         } else {

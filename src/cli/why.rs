@@ -143,14 +143,16 @@ fn add(branch: &Branch, depth: usize, lines: &mut Vec<Line>) {
         String::new()
     };
     let (how_many, cost) = match branch.state {
-        "changed" => ("changed since".to_owned(), String::new()),
+        "changed" => ("  changed since".to_owned(), String::new()),
+        // Where a case is a piece, the cases say it.
+        _ if branch.of == branch.cases => (String::new(), words::cost(&branch.cost, branch.pieces)),
         _ => (
-            format!("{} of {}", branch.pieces, counted(branch.of, "piece")),
+            format!("  {} of {}", branch.pieces, counted(branch.of, "piece")),
             words::cost(&branch.cost, branch.pieces),
         ),
     };
     lines.push(Line {
-        left: format!("{indent}{}{cases}  {how_many}", branch.node),
+        left: format!("{indent}{}{cases}{how_many}", branch.node),
         right: cost,
         note: String::new(),
     });

@@ -51,16 +51,18 @@ impl Told {
         all
     }
 
-    /// The reasons as one sentence, the nearest ones in full.
+    /// The reasons as one sentence: its own, or the inputs that changed, or the nearest ones that run first.
     pub(crate) fn sentence(&self, graph: &Graph) -> String {
         const LONGEST: usize = 2;
-        let mut all: Vec<String> = self.all(graph).iter().map(ToString::to_string).collect();
-        let rest = all.len().saturating_sub(LONGEST);
-        all.truncate(LONGEST);
-        if rest > 0 {
-            all.push(format!("{rest} more"));
+        let own = self.reasons.len() + self.changed.len();
+        let all = self.all(graph);
+        let told = if own > 0 { &all[..own] } else { &all };
+        let longest = if own > 0 { LONGEST } else { 1 };
+        let mut texts: Vec<String> = told.iter().take(longest).map(ToString::to_string).collect();
+        if told.len() > longest {
+            texts.push(format!("{} more", told.len() - longest));
         }
-        all.join("; ")
+        texts.join("; ")
     }
 }
 

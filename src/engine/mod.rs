@@ -35,6 +35,9 @@
 
 pub mod arrow;
 pub mod case;
+pub mod chart;
+pub mod chart_svg;
+pub mod chart_text;
 pub mod code;
 pub mod codec;
 mod compare;

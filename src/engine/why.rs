@@ -3,6 +3,7 @@
 //! A root is told once, at the most upstream node of the first branch that leads to it; branches that lead only to roots
 //! already told are left out, and what else runs on the way is listed beside the tree.
 
+use std::cmp::Reverse;
 use std::collections::{BTreeMap, BTreeSet};
 
 use serde::Serialize;
@@ -70,6 +71,7 @@ enum Step {
 struct Walk<'p, 'g> {
     plan: &'p Plan<'g>,
     roots: BTreeMap<usize, BTreeSet<Reason>>,
+    depths: BTreeMap<usize, usize>,
     told: BTreeSet<Reason>,
     shown: BTreeSet<usize>,
 }
@@ -98,6 +100,7 @@ pub fn why(plan: &Plan<'_>, nodes: &[usize], piece: Option<usize>) -> Why {
     let mut walk = Walk {
         plan,
         roots: BTreeMap::new(),
+        depths: BTreeMap::new(),
         told: BTreeSet::new(),
         shown: BTreeSet::new(),
     };
@@ -225,7 +228,22 @@ impl Walk<'_, '_> {
         roots
     }
 
-    /// Steps of one stage with equal roots together; the latest in the paper first, so that the longest way is told.
+    /// The number of steps to the farthest root.
+    fn depth(&mut self, step: &Step) -> usize {
+        if let Step::Runs(node) = step
+            && let Some(depth) = self.depths.get(node)
+        {
+            return *depth;
+        }
+        let below = self.steps(step);
+        let depth = below.iter().map(|step| self.depth(step) + 1).max().unwrap_or(0);
+        if let Step::Runs(node) = step {
+            self.depths.insert(*node, depth);
+        }
+        depth
+    }
+
+    /// Steps of one stage with equal roots together; the longest way first, of equal ones that of most pieces.
     fn groups(&mut self, steps: Vec<Step>) -> Vec<Vec<Step>> {
         let graph = self.plan.run.graph;
         let mut groups: Vec<(bool, BTreeSet<Reason>, Vec<Step>)> = Vec::new();
@@ -250,7 +268,10 @@ impl Walk<'_, '_> {
         for steps in &mut groups {
             steps.sort_by_key(|step| node(step).0);
         }
-        groups.sort_by_key(|steps| std::cmp::Reverse(node(&steps[0]).0));
+        groups.sort_by_cached_key(|steps| {
+            let pieces: usize = steps.iter().map(|step| self.plan.states[node(step).0].len()).sum();
+            Reverse((self.depth(&steps[0]), pieces, node(&steps[0]).0))
+        });
         groups
     }
 

@@ -5,5 +5,7 @@ mod hits;
 mod locks;
 mod params;
 mod pieces;
+mod plan;
 mod seeds;
 mod store;
+mod why;
