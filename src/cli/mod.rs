@@ -1,5 +1,6 @@
 //! The command line: verbs, options, and what every verb needs. It speaks; it never computes.
 
+pub mod diff;
 pub mod graph;
 pub mod progress;
 pub mod run;
@@ -42,6 +43,8 @@ enum Verb {
     Why(why::WhyArgs),
     /// Print the record and value of one node, piece or published file
     Show(show::ShowArgs),
+    /// Compare parameters, contents and the numbers of Table 1 and Figure 3 with a git revision; nothing is run
+    Diff(diff::DiffArgs),
     /// Draw the pipeline in paper order, each stage with its state
     Graph(graph::GraphArgs),
     /// Check the committed lock: against the code, or against a run from nothing
@@ -214,6 +217,7 @@ fn act(verb: &Verb) -> Result<()> {
         Verb::Status(args) => status::status(args),
         Verb::Why(args) => why::why(args),
         Verb::Show(args) => show::show(args),
+        Verb::Diff(args) => diff::diff(args),
         Verb::Graph(args) => graph::graph(args),
         Verb::Verify(args) => same_bits().and_then(|()| verify::verify(args)),
     }

@@ -123,9 +123,9 @@ pub(super) fn say_stale(stale: &[String]) {
 
 fn line(node: &NodePlan, longest: usize) -> Line {
     let state = match (node.will_run, node.may_run) {
-        (0, 0) => format!("cached    {}", counted(node.pieces, "piece")),
-        (0, may) => format!("may run   {may} of {}", counted(node.pieces, "piece")),
-        (will, may) => format!("will run  {} of {}", will + may, counted(node.pieces, "piece")),
+        (0, 0) => "cached",
+        (0, _) => "may run",
+        _ => "will run",
     };
     let running = node.will_run + node.may_run;
     let cost = Cost {
@@ -133,8 +133,13 @@ fn line(node: &NodePlan, longest: usize) -> Line {
         at_most: node.seconds,
         untimed: node.untimed,
     };
+    let pieces = match (node.pieces, running) {
+        (1, _) => String::new(),
+        (pieces, 0) => format!("  {pieces} pieces"),
+        (pieces, running) => format!("  {running} of {pieces} pieces"),
+    };
     Line {
-        left: format!("{:<8} {:<longest$}  {state}", node.paper, node.node),
+        left: format!("{:<8} {:<longest$}  {state:<8}{pieces}", node.paper, node.node),
         right: if running == 0 {
             String::new()
         } else {

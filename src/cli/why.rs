@@ -9,8 +9,7 @@ use crate::engine::code;
 use crate::engine::error::Result;
 use crate::engine::plan::Plan;
 use crate::engine::reason::{Reason, short};
-use crate::engine::record::Record;
-use crate::engine::why::{Branch, Why, why as walk};
+use crate::engine::why::{Branch, Kept, Why, why as walk};
 
 /// Arguments of `encounter why`.
 #[derive(Debug, Args)]
@@ -36,7 +35,7 @@ pub fn why(args: &WhyArgs) -> Result<()> {
         let profile = args.common.profile.name();
         let records: Vec<_> = answer.records.iter().map(record_json).collect();
         print_json(&json!({
-            "format": 1, "profile": profile, "node": args.node, "state": answer.state, "cost": answer.cost,
+            "format": 1, "profile": profile, "node": args.node, "state": answer.state, "pieces": answer.pieces, "cost": answer.cost,
             "because": answer.because, "besides": answer.besides, "records": records, "stale": stale,
         }));
         return Ok(());
@@ -72,22 +71,22 @@ fn open(args: &WhyArgs) -> Result<(Session, Vec<usize>)> {
     Ok((alone, nodes))
 }
 
-fn record_json(record: &Record) -> serde_json::Value {
+fn record_json(Kept { record, reads }: &Kept) -> serde_json::Value {
     json!({
         "node": record.node, "first": record.first, "items": record.items, "key": record.key, "id": record.id,
-        "bytes": record.bytes, "seconds": record.seconds, "evicted": record.evicted, "inputs": record.inputs,
+        "bytes": record.bytes, "seconds": record.seconds, "evicted": record.evicted, "inputs": record.inputs, "reads": reads,
         "code": record.code, "params": record.params, "seed": record.seed, "rustc": record.rustc,
         "target": record.target,
     })
 }
 
 /// A cached node: the records that make it so.
-fn print_records(session: &Session, nodes: &[usize], records: &[Record]) {
+fn print_records(session: &Session, nodes: &[usize], records: &[Kept]) {
     const MOST: usize = 4;
     let names: Vec<String> = nodes.iter().map(|node| session.graph.nodes[*node].name()).collect();
     let (name, pieces) = (names.join(", "), counted(records.len(), "piece"));
     say(format_args!("{name}  cached  {pieces}"));
-    for record in records.iter().take(MOST) {
+    for Kept { record, reads } in records.iter().take(MOST) {
         let (key, id) = (&record.key, &record.id);
         let kept = if record.evicted { ", not kept" } else { "" };
         let seconds = words::seconds(record.seconds);
@@ -100,9 +99,8 @@ fn print_records(session: &Session, nodes: &[usize], records: &[Record]) {
             "    {} bytes{kept}, made in {seconds} by {} on {}",
             record.bytes, record.rustc, record.target
         ));
-        let inputs: Vec<String> = record.inputs.iter().map(|id| short(id)).collect();
-        if !inputs.is_empty() {
-            say(format_args!("    from  {}", inputs.join(" ")));
+        for (input, id) in reads.iter().zip(&record.inputs) {
+            say(format_args!("    from  {input}  {}", short(id)));
         }
     }
     if records.len() > MOST {
@@ -119,11 +117,11 @@ fn print(answer: &Why) {
     if let ([_], Some(first)) = (answer.because.as_slice(), lines.first_mut()) {
         let state = answer.state.replace('_', " ");
         first.left = format!("{}  {state}", first.left);
-        first.right = words::cost(&answer.cost, usize::MAX);
+        first.right = words::cost(&answer.cost, answer.pieces);
     }
     words::print(&lines);
     if answer.because.len() > 1 {
-        say(format_args!("in all: {}", words::cost(&answer.cost, usize::MAX)));
+        say(format_args!("in all: {}", words::cost(&answer.cost, answer.pieces)));
     }
     let besides: Vec<String> = answer
         .besides

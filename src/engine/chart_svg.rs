@@ -13,9 +13,9 @@ const ROW: f64 = 34.0;
 /// Height of a box, px.
 const HEIGHT: f64 = 24.0;
 /// How far each step stands right of the one before, px.
-const STEP: f64 = 16.0;
+const STEP: f64 = 20.0;
 /// How far right of its box's left border a line runs down, px.
-const INSET: f64 = 8.0;
+const INSET: f64 = 7.0;
 /// Left and upper border of the first box, px.
 const LEFT: f64 = 22.0;
 const TOP: f64 = 58.0;
@@ -32,9 +32,9 @@ const FONTS: &str = "'DejaVu Sans', Verdana, 'Bitstream Vera Sans', Arial, sans-
 pub struct Stair {
     /// Per tile: left, upper border, width, height of its box, px.
     pub boxes: Vec<[f64; 4]>,
-    /// Vertical and horizontal lines, px: x1, y1, x2, y2 and the tile they come from or go to.
+    /// Lines, px: x1, y1, x2, y2; those down belong to the tile they come from, those across to the one that reads.
     pub lines: Vec<([f64; 4], usize)>,
-    /// Dots where a line is read: x, y.
+    /// Dots where a line is read: x, y, and the tile that reads.
     pub dots: Vec<([f64; 2], usize)>,
     /// Width and height of the whole, px.
     pub size: [f64; 2],
@@ -69,9 +69,9 @@ pub fn stair(chart: &Chart) -> Stair {
             .collect();
         if let Some(first) = inputs.iter().min() {
             let y = row_of(place);
-            lines.push(([line_of(*first), y, corner(place).0, y], *first));
+            lines.push(([line_of(*first), y, corner(place).0, y], place));
         }
-        dots.extend(inputs.iter().map(|from| ([line_of(*from), row_of(place)], *from)));
+        dots.extend(inputs.iter().map(|from| ([line_of(*from), row_of(place)], place)));
     }
     let last = chart.tiles.len().saturating_sub(1);
     let size = [corner(last).0 + width + notes, corner(last).1 + HEIGHT + 20.0];
@@ -150,8 +150,8 @@ fn draw_lines(body: &mut String, chart: &Chart, stair: &Stair) {
         }
     }
     for (place, [x, y, ..]) in stair.boxes.iter().enumerate() {
-        if let Some(flow) = chart.flows.iter().find(|flow| flow.to == place) {
-            let (_, colour) = colours(chart.tiles[flow.from].state());
+        if chart.flows.iter().any(|flow| flow.to == place) {
+            let (_, colour) = colours(chart.tiles[place].state());
             let (y, from) = (y + HEIGHT / 2.0, x - 6.0);
             let (above, below) = (y - 3.5, y + 3.5);
             let _ = writeln!(

@@ -233,6 +233,16 @@ impl<'g> Plan<'g> {
     fn can_hit(&self, node: usize, piece: usize) -> bool {
         let it = &self.run.graph.nodes[node];
         let now = inputs(&self.run, node, piece);
+        // A list of another length is another content, whatever its pieces come to.
+        let lengths: Vec<usize> = now.iter().map(|now| self.states[now.node].len()).collect();
+        let is_as_long = |record: &Record| {
+            let part = self.history().inputs_of(record);
+            part.is_none_or(|part| {
+                let places = part.inputs.iter().zip(&now).zip(&lengths);
+                let mut read_whole = places.filter(|((_, now), _)| now.piece.is_none());
+                read_whole.all(|((old, _), length)| old.pieces.len().max(1) == *length)
+            })
+        };
         let fits = |record: &Record| {
             record.keys == KEY_SCHEMA
                 && record.seed == self.run.graph.seed
@@ -243,6 +253,7 @@ impl<'g> Plan<'g> {
                     .iter()
                     .zip(&record.inputs)
                     .all(|(now, old)| now.id.as_ref().is_none_or(|id| id == old))
+                && is_as_long(record)
                 && self.history().is_usable(record)
         };
         self.history()

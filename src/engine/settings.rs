@@ -63,7 +63,8 @@ fn counts(graph: &Graph, node: usize) -> Option<String> {
     }
 }
 
-fn flatten(path: &str, value: &Value, values: &mut Values) {
+/// Single values below a path; a list of tables is told row by row.
+pub(crate) fn flatten(path: &str, value: &Value, values: &mut Values) {
     match value {
         Value::Object(table) if !table.is_empty() => {
             for (key, value) in table {

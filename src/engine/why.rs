@@ -9,6 +9,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use serde::Serialize;
 
 use crate::engine::arrow::Kind;
+use crate::engine::compare::inputs;
 use crate::engine::explain::Changed;
 use crate::engine::plan::{Cost, Plan, State};
 use crate::engine::reason::Reason;
@@ -51,14 +52,25 @@ pub struct Besides {
 pub struct Why {
     /// `cached`, `will_run` or `may_run`.
     pub state: &'static str,
-    /// What it takes to bring the nodes up to date, all inputs included.
+    /// Pieces that will or may run to bring the nodes up to date, all inputs included.
+    pub pieces: usize,
+    /// What they are expected to take.
     pub cost: Cost,
     /// A tree for each group of nodes with equal roots.
     pub because: Vec<Branch>,
     /// What else runs for it.
     pub besides: Vec<Besides>,
     /// The records that make the cached pieces so, if all are cached.
-    pub records: Vec<Record>,
+    pub records: Vec<Kept>,
+}
+
+/// A record and what its inputs are.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Kept {
+    /// The record of a piece.
+    pub record: Record,
+    /// The nodes of its inputs, in their order.
+    pub reads: Vec<String>,
 }
 
 /// A step of the walk: a node that is not cached, or one that has changed already.
@@ -80,11 +92,11 @@ struct Walk<'p, 'g> {
 pub fn why(plan: &Plan<'_>, nodes: &[usize], piece: Option<usize>) -> Why {
     let closure = closure(plan, nodes, piece);
     let mut cost = Cost::default();
-    for (node, piece) in &closure {
-        if let Some(own) = plan.told(*node).costs.get(piece) {
-            cost.add(*own);
-        }
-    }
+    let costs: Vec<&Cost> = closure
+        .iter()
+        .filter_map(|(node, piece)| plan.told(*node).costs.get(piece))
+        .collect();
+    costs.iter().for_each(|own| cost.add(**own));
     let asked = |node: usize| {
         plan.states[node]
             .iter()
@@ -106,10 +118,10 @@ pub fn why(plan: &Plan<'_>, nodes: &[usize], piece: Option<usize>) -> Why {
     };
     let (mut because, mut records) = (Vec::new(), Vec::new());
     if state == "cached" {
-        let keys = nodes
+        let places = nodes
             .iter()
-            .flat_map(|node| asked(*node).map(|(piece, _)| plan.run.key(*node, piece)));
-        records = keys.flatten().filter_map(|key| plan.run.store.record(&key)).collect();
+            .flat_map(|node| asked(*node).map(|(piece, _)| (*node, piece)));
+        records = places.filter_map(|(node, piece)| kept(plan, node, piece)).collect();
     } else {
         let running = nodes
             .iter()
@@ -121,11 +133,19 @@ pub fn why(plan: &Plan<'_>, nodes: &[usize], piece: Option<usize>) -> Why {
     let besides = besides(plan, &closure, &walk.shown);
     Why {
         state,
+        pieces: costs.len(),
         cost,
         because,
         besides,
         records,
     }
+}
+
+fn kept(plan: &Plan<'_>, node: usize, piece: usize) -> Option<Kept> {
+    let record = plan.run.store.record(&plan.run.key(node, piece)?)?;
+    let reads = inputs(&plan.run, node, piece).into_iter();
+    let reads = reads.map(|input| plan.run.graph.nodes[input.node].name()).collect();
+    Some(Kept { record, reads })
 }
 
 fn state_of(states: &[&State]) -> &'static str {

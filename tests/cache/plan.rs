@@ -139,7 +139,7 @@ fn a_rerun_costs_what_the_same_piece_took_and_the_rest_is_at_most() {
 }
 
 fn recorded(house: &House, node: &str) -> f64 {
-    house.why(node).records.iter().map(|record| record.seconds).sum()
+    house.why(node).records.iter().map(|kept| kept.record.seconds).sum()
 }
 
 #[test]
@@ -149,7 +149,7 @@ fn a_piece_never_made_costs_the_median_of_its_node_or_else_of_its_stage() {
         .why("draws/a")
         .records
         .iter()
-        .map(|record| record.seconds)
+        .map(|kept| kept.record.seconds)
         .collect();
     times.sort_by(f64::total_cmp);
     house.set("draws.count=3");

@@ -373,9 +373,10 @@ fn a_cached_node_answers_with_the_record_that_makes_it_so() {
     let why = house.why("squares/a/1");
     assert_eq!(why.state, "cached");
     let (key, id) = done.known["squares/a/1"];
-    let record = &why.records[0];
+    let record = &why.records[0].record;
     assert_eq!((&record.key, &record.id), (&key.to_string(), &id.to_string()));
     assert_eq!((why.records.len(), record.first, record.items), (1, 10, 10));
+    assert_eq!(why.records[0].reads, ["numbers"]);
     assert_eq!(house.why("squares/a").records.len(), 3);
 }
 
