@@ -115,8 +115,6 @@ fn print(answer: &Why) {
     }
     // The head of a lone tree tells what everything on the way takes, not what the node itself does.
     if let ([_], Some(first)) = (answer.because.as_slice(), lines.first_mut()) {
-        let state = answer.state.replace('_', " ");
-        first.left = format!("{}  {state}", first.left);
         first.right = words::cost(&answer.cost, answer.pieces);
     }
     words::print(&lines);
@@ -149,8 +147,13 @@ fn add(branch: &Branch, depth: usize, lines: &mut Vec<Line>) {
             words::cost(&branch.cost, branch.pieces),
         ),
     };
+    let state = if depth == 0 {
+        format!("  {}", branch.state.replace('_', " "))
+    } else {
+        String::new()
+    };
     lines.push(Line {
-        left: format!("{indent}{}{cases}{how_many}", branch.node),
+        left: format!("{indent}{}{cases}{state}{how_many}", branch.node),
         right: cost,
         note: String::new(),
     });

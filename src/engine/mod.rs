@@ -22,16 +22,23 @@
 //! Inputs enter by content, so an upstream rerun that gives equal bytes changes no key below it, and an edit taken back
 //! finds its old records.
 //!
-//! On disk: `objects/` (header and payload, named by id), `records/` (key -> id), `tmp/` (being written), `quarantine/`
-//! (damaged objects), `PROFILE.lock` (the committed contents). Publication: object, then record, each by a temporary file
-//! and a rename, synchronised before the record counts. An object without a record is garbage, never a lie; a record whose
+//! On disk: `objects/` (header and payload, named by id), `records/` (key -> id), `parts/` (code tables, parameters and
+//! names of inputs that records name, each stored once: they explain, they are no truth), `tmp/` (being written),
+//! `quarantine/` (damaged objects), `PROFILE.lock` (the committed contents). Publication: object, then record, each by a
+//! temporary file and a rename, synchronised before the record counts. An object without a record is garbage, never a lie; a record whose
 //! object is gone or damaged is a miss: made again, and required to have its recorded id.
 //!
 //! Outputs marked [`Keep::Evict`](crate::engine::stage::Keep) are hashed and recorded but not written; when a reader needs
 //! one and it has left memory, it is made again and checked.
 //!
+//! Before a run, a plan says of each piece: cached; will run; may run, if an input comes out changed. `why` compares what a
+//! piece would be made from with the nearest record of it (fewest differences, of those the latest, so that another
+//! profile in the same store explains nothing) and walks the inputs to the root changes. A record from before parts were
+//! kept is a hit like any other; what it cannot tell is said to be unrecorded.
+//!
 //! Order of reading: `stage`, `arrow`, `node`; `case`, `params`, `pipeline`, `graph`; `key`, `code`, `run`, `schedule`;
-//! `store`, `object`, `record`; `lock`, `verify`, `publish`.
+//! `store`, `object`, `record`, `parts`; `lock`, `verify`, `publish`; `plan`, `history`, `compare`, `explain`, `why`;
+//! `revision`, `versions`; `chart`.
 
 pub mod arrow;
 pub mod case;

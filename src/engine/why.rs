@@ -263,7 +263,7 @@ impl Walk<'_, '_> {
         depth
     }
 
-    /// Steps of one stage with equal roots together; the longest way first, of equal ones that of most pieces.
+    /// Steps of one stage with equal roots together; the longest way first, of equal ones the dearest.
     fn groups(&mut self, steps: Vec<Step>) -> Vec<Vec<Step>> {
         let graph = self.plan.run.graph;
         let mut groups: Vec<(bool, BTreeSet<Reason>, Vec<Step>)> = Vec::new();
@@ -290,7 +290,9 @@ impl Walk<'_, '_> {
         }
         groups.sort_by_cached_key(|steps| {
             let pieces: usize = steps.iter().map(|step| self.plan.states[node(step).0].len()).sum();
-            Reverse((self.depth(&steps[0]), pieces, node(&steps[0]).0))
+            let cost: f64 = steps.iter().map(|step| self.plan.told(node(step).0).cost.at_most).sum();
+            // Seconds are not negative, so their bits are in their order.
+            Reverse((self.depth(&steps[0]), pieces, cost.to_bits(), node(&steps[0]).0))
         });
         groups
     }

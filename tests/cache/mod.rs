@@ -1,6 +1,7 @@
 //! Claims about the cache, asserted on the event log of a toy pipeline.
 
 mod cases;
+mod chart;
 mod hits;
 mod locks;
 mod params;

@@ -1,13 +1,10 @@
 //! Each reason is shown to arise, and the walk ends at the root.
 
-use crate::common::House;
-use encounter::engine::code;
-use encounter::engine::id::Key;
+use crate::common::{House, records};
 use encounter::engine::reason::Reason;
 use encounter::engine::why::{Branch, Why};
-use serde_json::{Value, json};
+use serde_json::json;
 use std::fs;
-use std::path::PathBuf;
 
 /// `NODE: sentences` for every node of the tree, upstream ones behind those they lead to.
 fn told(why: &Why) -> Vec<String> {
@@ -34,42 +31,6 @@ fn reasons(why: &Why) -> Vec<Reason> {
     let mut found = Vec::new();
     why.because.iter().for_each(|branch| add(branch, &mut found));
     found
-}
-
-fn sealed(mut value: Value) -> (String, String) {
-    value.as_object_mut().expect("an object").remove("check");
-    let json = value.to_string();
-    let body = &json[..json.len() - 1];
-    let check = blake3::hash(body.as_bytes()).to_hex().to_string();
-    (check.clone(), format!("{body},\"check\":\"{check}\"}}\n"))
-}
-
-fn read(path: &PathBuf) -> Value {
-    serde_json::from_str(&fs::read_to_string(path).expect("the file is there")).expect("JSON")
-}
-
-/// Makes a record one of the past: edited, under another key, its old place empty.
-fn age(house: &House, piece: &str, edit: impl Fn(&mut Value)) {
-    let key = house.run().known[piece].0;
-    let path = house.record(&key);
-    let mut record = read(&path);
-    fs::remove_file(&path).expect("the record can be deleted");
-    edit(&mut record);
-    let other = Key([record["key"].as_str().map_or(0, |key| key.as_bytes()[3]); 32]);
-    record["key"] = json!(other.to_string());
-    let path = house.record(&other);
-    fs::create_dir_all(path.parent().expect("a folder")).expect("a folder can be made");
-    fs::write(path, sealed(record).1).expect("the record can be written");
-}
-
-/// Writes an edited copy of a part; gives its name.
-fn part(house: &House, name: &Value, edit: impl Fn(&mut Value)) -> Value {
-    let folder = house.path("store/parts");
-    let mut part = read(&folder.join(format!("{}.json", name.as_str().expect("a name"))));
-    edit(&mut part);
-    let (name, text) = sealed(part);
-    fs::write(folder.join(format!("{name}.json")), text).expect("the part can be written");
-    json!(name)
 }
 
 #[test]
@@ -127,16 +88,17 @@ fn the_seed() {
 
 #[test]
 fn a_file_and_a_crate() {
-    let house = House::lived_in(&[]);
-    age(&house, "aside/0", |record| {
+    let house = House::new();
+    let (key, _) = house.run().known["aside/0"];
+    let store = house.path("store");
+    records::age(&house.record(&key), |record| {
         record["code"] = json!("1".repeat(64));
-        let changed = part(&house, &record["parts"]["code"], |part| {
+        record["parts"]["code"] = records::part(&store, &record["parts"]["code"], |part| {
             part["files"] = json!({"src/toy/aside.rs": "ab", "src/toy/gone.rs": "cd"});
             part["crates"] = json!({"pxfm": [{"version": "0.1.30", "checksum": "aa", "declared": "0.1"}]});
         });
-        record["parts"]["code"] = changed;
     });
-    // The toy's stages have no code table: all there was is gone.
+    // The toy's stages have no code table: all there was is gone. The real binary's is in tests/cli/why.rs.
     let expected = [
         "`src/toy/aside.rs` is no longer used",
         "`src/toy/gone.rs` is no longer used",
@@ -147,16 +109,10 @@ fn a_file_and_a_crate() {
 }
 
 #[test]
-fn every_stage_of_the_paper_has_its_files_and_crates_in_the_table() {
-    let code = code::of("ground_truth").expect("a stage of the paper");
-    assert!(code.files.iter().any(|file| file.path == "src/ship/roll_equation.rs"));
-    assert!(code.crates.iter().any(|it| it.name == "pxfm"));
-}
-
-#[test]
 fn the_key_schema() {
-    let house = House::lived_in(&[]);
-    age(&house, "aside/0", |record| record["keys"] = json!(0));
+    let house = House::new();
+    let (key, _) = house.run().known["aside/0"];
+    records::age(&house.record(&key), |record| record["keys"] = json!(0));
     assert_eq!(told(&house.why("aside")), ["aside: key schema 0 -> 1"]);
 }
 
@@ -165,12 +121,11 @@ fn a_record_from_before_parts_is_a_hit_and_tells_what_it_can() {
     let house = House::new();
     let done = house.run();
     for (key, _) in done.known.values() {
-        let path = house.record(key);
-        let mut record = read(&path);
-        for later in ["parts", "keys", "made"] {
-            record.as_object_mut().expect("an object").remove(later);
-        }
-        fs::write(&path, sealed(record).1).expect("the record can be written");
+        records::edit(&house.record(key), |record| {
+            for later in ["parts", "keys", "made"] {
+                record.as_object_mut().expect("an object").remove(later);
+            }
+        });
     }
     fs::remove_dir_all(house.path("store/parts")).expect("the parts can be deleted");
     assert_eq!(house.run().ran(), [""; 0]);
