@@ -3,6 +3,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use crate::engine::arrow::Kind;
 use crate::engine::compare::{Difference, InputChange, Side};
 use crate::engine::graph::Graph;
 use crate::engine::plan::{Cause, Cost, Plan, State, not_cached};
@@ -33,7 +34,7 @@ pub(crate) struct Changed {
     /// What changed there.
     pub(crate) reasons: BTreeSet<Reason>,
     /// Inputs of that node that changed before.
-    pub(crate) changed: Vec<Changed>,
+    pub(crate) inputs: Vec<Changed>,
 }
 
 impl Told {
@@ -110,7 +111,7 @@ fn tell_key(plan: &Plan<'_>, node: usize, piece: usize, told: &mut Told) -> Opti
     let it = &plan.run.graph.nodes[node];
     let name = it.name();
     for link in &it.links {
-        let each = link.kind == crate::engine::arrow::Kind::Each;
+        let each = link.kind == Kind::Each;
         let unknown = |up: &&usize| {
             if each {
                 plan.run.id(**up, piece)
@@ -169,7 +170,7 @@ fn follow(plan: &Plan<'_>, changes: &[InputChange], known: &mut Vec<Changed>) {
             old: change.old.clone(),
             new: change.new.clone(),
             reasons: BTreeSet::new(),
-            changed: Vec::new(),
+            inputs: Vec::new(),
         };
         for (piece, old) in changed_pieces(plan, change) {
             let side = side(plan, change.node, piece);
@@ -177,13 +178,13 @@ fn follow(plan: &Plan<'_>, changes: &[InputChange], known: &mut Vec<Changed>) {
             let made = plan.history().of_stage(stage).filter(|record| record.id == old);
             if let Some((_, difference)) = nearest(&side, made) {
                 changed.reasons.extend(difference.reasons);
-                follow(plan, &difference.inputs, &mut changed.changed);
+                follow(plan, &difference.inputs, &mut changed.inputs);
             }
         }
-        if changed.reasons.is_empty() && changed.changed.is_empty() {
+        if changed.reasons.is_empty() && changed.inputs.is_empty() {
             changed.reasons = count_reasons(plan, change);
         }
-        if changed.reasons.is_empty() && changed.changed.is_empty() {
+        if changed.reasons.is_empty() && changed.inputs.is_empty() {
             changed.reasons.insert(Reason::Input {
                 name: plan.run.graph.nodes[change.node].name(),
                 old: change.old.clone(),
@@ -200,10 +201,10 @@ fn follow(plan: &Plan<'_>, changes: &[InputChange], known: &mut Vec<Changed>) {
 impl Changed {
     fn merge(&mut self, other: Self) {
         self.reasons.extend(other.reasons);
-        for changed in other.changed {
-            match self.changed.iter_mut().find(|known| known.node == changed.node) {
+        for changed in other.inputs {
+            match self.inputs.iter_mut().find(|known| known.node == changed.node) {
                 Some(known) => known.merge(changed),
-                None => self.changed.push(changed),
+                None => self.inputs.push(changed),
             }
         }
     }

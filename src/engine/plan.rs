@@ -4,7 +4,7 @@
 //! rerun cannot stay cached whatever comes out, which evicted outputs are needed again, why, and at what cost.
 
 use std::cell::OnceCell;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 
 use serde::Serialize;
@@ -17,6 +17,7 @@ use crate::engine::history::{History, has_record_file};
 use crate::engine::id::{Id, schema_number};
 use crate::engine::key::KEY_SCHEMA;
 use crate::engine::object;
+use crate::engine::reason::Reason;
 use crate::engine::record::Record;
 use crate::engine::run::{Decision, Listener, Run};
 use crate::engine::stage::Keep;
@@ -40,7 +41,7 @@ pub struct NodePlan {
     /// Why it is not all cached, in words; empty if it is.
     pub reason: String,
     /// The same as data.
-    pub reasons: Vec<crate::engine::reason::Reason>,
+    pub reasons: Vec<Reason>,
     /// What its pieces that will or may run are expected to take at most, seconds of one core.
     pub seconds: f64,
     /// What those that will run are expected to take.
@@ -155,7 +156,7 @@ impl<'g> Plan<'g> {
     }
 
     /// The published texts of a node that is cached, without healing anything.
-    pub fn published(&self, node: usize) -> Option<std::collections::BTreeMap<String, String>> {
+    pub fn published(&self, node: usize) -> Option<BTreeMap<String, String>> {
         let it = &self.run.graph.nodes[node];
         let id = self.run.id(node, 0)?;
         it.node.published(&self.look(node, &id).ok()?).ok()

@@ -96,7 +96,9 @@ pub fn why(plan: &Plan<'_>, nodes: &[usize], piece: Option<usize>) -> Why {
         .iter()
         .filter_map(|(node, piece)| plan.told(*node).costs.get(piece))
         .collect();
-    costs.iter().for_each(|own| cost.add(**own));
+    for own in &costs {
+        cost.add(**own);
+    }
     let asked = |node: usize| {
         plan.states[node]
             .iter()
@@ -220,7 +222,7 @@ impl Walk<'_, '_> {
                 steps.extend(told.upstream.iter().map(|up| Step::Runs(*up)));
                 steps
             }
-            Step::Changed(it) => changed(&it.changed),
+            Step::Changed(it) => changed(&it.inputs),
         }
     }
 
