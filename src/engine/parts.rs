@@ -21,11 +21,11 @@ use crate::engine::store::Store;
 /// The parts of one record, hexadecimal.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct PartNames {
-    /// Its [`CodePart`].
+    /// What its code fingerprint is of: files and crates.
     pub code: String,
-    /// Its [`ParamsPart`].
+    /// What its encoded parameters are of: names and values.
     pub params: String,
-    /// Its [`InputsPart`].
+    /// What its input ids are of: nodes and their pieces.
     pub inputs: String,
 }
 

@@ -1,6 +1,6 @@
 //! Plan: what a run would do, piece by piece, without doing it: cached; will run; may run, if an input comes out changed.
 //!
-//! [`Run::decide`] decides, here as in a run. The plan adds what a run need not know beforehand: which pieces behind a
+//! `Run::decide` decides, here as in a run. The plan adds what a run need not know beforehand: which pieces behind a
 //! rerun cannot stay cached whatever comes out, which evicted outputs are needed again, why, and at what cost.
 
 use std::cell::OnceCell;

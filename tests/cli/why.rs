@@ -3,6 +3,7 @@
 use super::verbs::SMALL;
 use crate::common::program::{Program, keys};
 use crate::common::records;
+use encounter::engine::params::ParamsFile;
 use serde_json::{Value, json};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -122,6 +123,31 @@ fn an_edited_file_and_another_version_of_a_crate() {
     assert!(text.contains("`src/ship/roll_equation.rs` changed"), "{text}");
     assert!(text.contains("crate `pxfm` 0.1.29 -> 0.1.30"), "{text}");
     assert!(text.contains("truth  may run"), "{text}");
+}
+
+#[test]
+fn every_parameter_is_told_under_the_name_that_the_reader_wrote() {
+    let program = lived_in();
+    let stages = Path::new(env!("CARGO_MANIFEST_DIR")).join("stages");
+    let files = [stages.join("paper.toml"), stages.join("tiny.toml")];
+    let files: Vec<&Path> = files.iter().map(PathBuf::as_path).collect();
+    let params = ParamsFile::read(&files, &[]).expect("the parameters are readable");
+    let leaves = params.leaves();
+    let mut told = 0;
+    for entry in fs::read_dir(program.path("store/parts")).expect("a folder").flatten() {
+        let part = records::read(&entry.path());
+        let (Some(values), Some(shape)) = (part["values"].as_object(), part["shape"].as_object()) else {
+            continue;
+        };
+        // What a stage takes as optional is null where the reader wrote nothing.
+        let written = values.iter().chain(shape).filter(|(_, value)| !value.is_null());
+        for (name, _) in written {
+            let leaf = name.split('[').next().expect("a first part");
+            assert!(leaves.iter().any(|known| known == leaf), "{name}");
+            told += 1;
+        }
+    }
+    assert!(told > 100, "{told}");
 }
 
 #[test]
