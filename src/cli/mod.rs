@@ -1,10 +1,14 @@
 //! The command line: verbs, options, and what every verb needs. It speaks; it never computes.
 
+pub mod diff;
+pub mod graph;
 pub mod progress;
 pub mod run;
 pub mod show;
 pub mod status;
 pub mod verify;
+pub mod why;
+mod words;
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -35,8 +39,14 @@ enum Verb {
     Run(run::RunArgs),
     /// Say what a run would do, and the state of each published file
     Status(status::StatusArgs),
+    /// Say why a node would run: the root changes, old and new, and what the rerun costs
+    Why(why::WhyArgs),
     /// Print the record and value of one node, piece or published file
     Show(show::ShowArgs),
+    /// Compare parameters, contents and the numbers of Table 1 and Figure 3 with a git revision; nothing is run
+    Diff(diff::DiffArgs),
+    /// Draw the pipeline in paper order, each stage with its state
+    Graph(graph::GraphArgs),
     /// Check the committed lock: against the code, or against a run from nothing
     Verify(verify::VerifyArgs),
 }
@@ -205,7 +215,10 @@ fn act(verb: &Verb) -> Result<()> {
     match verb {
         Verb::Run(args) => same_bits().and_then(|()| run::run(args)),
         Verb::Status(args) => status::status(args),
+        Verb::Why(args) => why::why(args),
         Verb::Show(args) => show::show(args),
+        Verb::Diff(args) => diff::diff(args),
+        Verb::Graph(args) => graph::graph(args),
         Verb::Verify(args) => same_bits().and_then(|()| verify::verify(args)),
     }
 }

@@ -52,8 +52,7 @@ struct Ledger {
 pub fn run(args: &RunArgs) -> Result<()> {
     let session = args.common.open(&args.target)?;
     if args.dry_run {
-        status::print(&args.common, &session);
-        return Ok(());
+        return status::print(&args.common, &session);
     }
     let store = session.open_store()?;
     let start = Instant::now();

@@ -6,11 +6,12 @@ use std::path::Path;
 use clap::Args;
 use serde_json::json;
 
+use crate::cli::words::{self, Line, counted};
 use crate::cli::{Common, Session, print_json, say};
+use crate::engine::code;
 use crate::engine::error::Result;
-use crate::engine::plan::{NodePlan, plan};
+use crate::engine::plan::{Cost, NodePlan, Plan};
 use crate::engine::publish;
-use crate::engine::run::Run;
 use crate::stages::axes::SHIP;
 
 /// Arguments of `encounter status`.
@@ -27,68 +28,133 @@ pub struct StatusArgs {
 /// # Errors
 /// A parameter or store that cannot be used.
 pub fn status(args: &StatusArgs) -> Result<()> {
-    print(&args.common, &args.common.open(&args.target)?);
-    Ok(())
+    print(&args.common, &args.common.open(&args.target)?)
 }
 
 /// Prints the plan of a session.
-pub(super) fn print(common: &Common, session: &Session) {
+pub(super) fn print(common: &Common, session: &Session) -> Result<()> {
     let store = session.look_at_store();
-    let nodes = plan(&session.graph, &store);
-    let files = files(session, &store, &nodes);
+    let plan = Plan::new(&session.graph, &store, &[]);
+    let nodes = plan.nodes();
+    let files = files(session, &plan);
+    let stale = code::stale(&Common::root()?);
+    let cost = plan.cost();
     if common.json {
         let files: Vec<_> = files
             .iter()
             .map(|(path, state)| json!({"path": path, "state": state}))
             .collect();
-        let profile = common.profile.name();
-        print_json(&json!({"format": 1, "profile": profile, "nodes": nodes, "files": files}));
-        return;
+        print_json(&json!({
+            "format": 1, "profile": common.profile.name(), "nodes": nodes, "files": files, "cost": cost,
+            "figures": plan.affected(), "stale": stale,
+        }));
+        return Ok(());
     }
-    for node in &nodes {
-        say(format_args!("{:<12} {:<42} {}", node.paper, node.node, sentence(node)));
-    }
-    for (path, state) in files.iter().filter(|(_, state)| *state != "current") {
-        say(format_args!("{path}: {state}"));
+    let longest = nodes.iter().map(|node| node.node.len()).max().unwrap_or(0);
+    words::print(&nodes.iter().map(|node| line(node, longest)).collect::<Vec<_>>());
+    for state in ["edited", "outdated", "missing"] {
+        say_files(state, &files);
     }
     let count = |of: fn(&NodePlan) -> usize| nodes.iter().map(of).sum::<usize>();
+    let (will, may) = (count(|node| node.will_run), count(|node| node.may_run));
     say(format_args!(
-        "{} pieces: {} cached, {} will run, {} may run",
-        count(|node| node.pieces),
+        "{}: {} cached, {will} will run, {may} may run",
+        counted(count(|node| node.pieces), "piece"),
         count(|node| node.cached),
-        count(|node| node.will_run),
-        count(|node| node.may_run)
     ));
+    say_more(&plan, &cost, (will, may));
+    say_stale(&stale);
+    Ok(())
 }
 
-fn sentence(node: &NodePlan) -> String {
-    match (node.will_run, node.may_run) {
-        (0, 0) => format!("cached    {:>5} pieces {:>9.2} s saved", node.pieces, node.seconds),
-        (0, may) => format!("may run   {may:>5} of {} pieces: {}", node.pieces, node.reason),
-        (will, _) => format!("will run  {will:>5} of {} pieces: {}", node.pieces, node.reason),
+/// The files in one state, the first few by name.
+fn say_files(state: &str, files: &[(String, &'static str)]) {
+    const MOST: usize = 4;
+    let paths: Vec<&str> = files
+        .iter()
+        .filter(|(_, of)| *of == state)
+        .map(|(path, _)| path.as_str())
+        .collect();
+    let named = paths[..paths.len().min(MOST)].join(", ");
+    match paths.len() {
+        0 => {}
+        count if count > MOST => say(format_args!("{state}: {named} and {} more", count - MOST)),
+        _ => say(format_args!("{state}: {named}")),
+    }
+}
+
+/// What the rest will cost, and which figures it may change.
+fn say_more(plan: &Plan<'_>, cost: &Cost, (will, may): (usize, usize)) {
+    if will + may == 0 {
+        return;
+    }
+    let certain = Cost {
+        at_most: cost.certain,
+        ..*cost
+    };
+    let expected = match may {
+        0 => words::cost(&certain, will),
+        _ => format!(
+            "{} certain, {}",
+            words::seconds(cost.certain),
+            words::cost(cost, will + may)
+        ),
+    };
+    say(format_args!("expected: {expected} (of one core)"));
+    let figures = plan.affected();
+    if !figures.is_empty() {
+        say(format_args!("figures affected: {}", figures.join(", ")));
+    }
+}
+
+/// Says that the binary is older than its sources: it plans and runs what they were.
+pub(super) fn say_stale(stale: &[String]) {
+    if let [first, rest @ ..] = stale {
+        let more = if rest.is_empty() {
+            String::new()
+        } else {
+            format!(" and {} more", rest.len())
+        };
+        say(format_args!(
+            "this binary is older than its sources ({first}{more}): build it again to see what they change"
+        ));
+    }
+}
+
+fn line(node: &NodePlan, longest: usize) -> Line {
+    let state = match (node.will_run, node.may_run) {
+        (0, 0) => "cached",
+        (0, _) => "may run",
+        _ => "will run",
+    };
+    let running = node.will_run + node.may_run;
+    let cost = Cost {
+        certain: node.seconds_certain,
+        at_most: node.seconds,
+        untimed: node.untimed,
+    };
+    let pieces = match (node.pieces, running) {
+        (1, _) => String::new(),
+        (pieces, 0) => format!("  {pieces} pieces"),
+        (pieces, running) => format!("  {running} of {pieces} pieces"),
+    };
+    Line {
+        left: format!("{:<8} {:<longest$}  {state:<8}{pieces}", node.paper, node.node),
+        right: if running == 0 {
+            String::new()
+        } else {
+            words::cost(&cost, running)
+        },
+        note: node.reason.clone(),
     }
 }
 
 /// The state of each published file: current, edited, missing or outdated.
-fn files(session: &Session, store: &crate::engine::store::Store, nodes: &[NodePlan]) -> Vec<(String, &'static str)> {
-    let silent = |_: &_| {};
-    let run = Run::new(&session.graph, store, &silent);
-    for (node, plan) in nodes.iter().enumerate() {
-        for piece in 0..plan.pieces {
-            run.decide(node, piece);
-        }
-    }
+fn files(session: &Session, plan: &Plan<'_>) -> Vec<(String, &'static str)> {
     let mut files = Vec::new();
     for (node, prefix) in publish::layout(&session.graph, SHIP, &session.ships) {
         let stem = session.graph.nodes[node].node.name();
-        if nodes[node].cached < nodes[node].pieces {
-            let state = |path: &str| {
-                if session.figures.join(path).exists() {
-                    "outdated"
-                } else {
-                    "missing"
-                }
-            };
+        if !plan.is_cached(node) {
             let path = format!("{prefix}{stem}");
             let existing = ["svg", "csv", "md", "tex"].map(|extension| format!("{path}.{extension}"));
             let present: Vec<&String> = existing
@@ -98,13 +164,10 @@ fn files(session: &Session, store: &crate::engine::store::Store, nodes: &[NodePl
             if present.is_empty() {
                 files.push((path, "missing"));
             }
-            files.extend(present.iter().map(|path| ((*path).clone(), state(path))));
+            files.extend(present.iter().map(|path| ((*path).clone(), "outdated")));
             continue;
         }
-        let texts = run
-            .bytes(node, 0)
-            .and_then(|bytes| session.graph.nodes[node].node.published(&bytes));
-        for (name, text) in texts.unwrap_or_default() {
+        for (name, text) in plan.published(node).unwrap_or_default() {
             let path = format!("{prefix}{name}");
             let state = state_of(&session.figures.join(&path), &text);
             files.push((path, state));

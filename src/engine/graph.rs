@@ -41,6 +41,8 @@ pub struct Graph {
     pub seed: u64,
     /// The node cases that were asked for.
     pub targets: Vec<usize>,
+    /// The parameters in force, each with the place where it was written.
+    pub(crate) params: ParamsFile,
 }
 
 /// What the command line names: a stage, a node or a piece.
@@ -373,7 +375,12 @@ impl<'a> Builder<'a> {
         let mut targets: Vec<usize> = asked.iter().map(|slot| index[slot]).collect();
         targets.sort_unstable();
         targets.dedup();
-        Ok(Graph { nodes, seed, targets })
+        Ok(Graph {
+            nodes,
+            seed,
+            targets,
+            params: self.params.clone(),
+        })
     }
 
     fn pieces(&self, node: &dyn Node, links: &[Link], nodes: &[NodeCase]) -> Result<Vec<(u64, u64)>> {

@@ -22,28 +22,42 @@
 //! Inputs enter by content, so an upstream rerun that gives equal bytes changes no key below it, and an edit taken back
 //! finds its old records.
 //!
-//! On disk: `objects/` (header and payload, named by id), `records/` (key -> id), `tmp/` (being written), `quarantine/`
-//! (damaged files, and both outputs of a stage that is not reproducible), `PROFILE.lock` (the committed contents). Publication: object, then record, each by a temporary file
-//! and a rename, synchronised before the record counts. An object without a record is garbage, never a lie; a record whose
+//! On disk: `objects/` (header and payload, named by id), `records/` (key -> id), `parts/` (code tables, parameters and
+//! names of inputs that records name, each stored once: they explain, they are no truth), `tmp/` (being written),
+//! `quarantine/` (damaged files, and both outputs of a stage that is not reproducible), `PROFILE.lock` (the committed
+//! contents). Publication: object, then record, each by a temporary file and a rename, synchronised before the record
+//! counts. An object without a record is garbage, never a lie; a record whose
 //! object is gone or damaged is a miss: made again, and required to have its recorded id.
 //!
 //! Outputs marked [`Keep::Evict`](crate::engine::stage::Keep) are hashed and recorded but not written; when a reader needs
 //! one and it has left memory, it is made again and checked.
 //!
+//! Before a run, a plan says of each piece: cached; will run; may run, if an input comes out changed. `why` compares what a
+//! piece would be made from with the nearest record of it (fewest differences, of those the latest, so that another
+//! profile in the same store explains nothing) and walks the inputs to the root changes. A record from before parts were
+//! kept is a hit like any other; what it cannot tell is said to be unrecorded.
+//!
 //! Order of reading: `stage`, `arrow`, `node`; `case`, `params`, `pipeline`, `graph`; `key`, `code`, `run`, `schedule`;
-//! `store`, `object`, `record`; `lock`, `verify`, `audit`, `rebuild`, `difference`, `publish`.
+//! `store`, `object`, `record`, `parts`; `lock`, `verify`, `audit`, `rebuild`, `difference`, `publish`; `plan`, `history`, `compare`, `explain`, `why`;
+//! `revision`, `versions`; `chart`.
 
 pub mod arrow;
 pub mod audit;
 pub mod case;
+pub mod chart;
+pub mod chart_svg;
+pub mod chart_text;
 pub mod code;
 pub mod codec;
+mod compare;
 mod decode;
 pub mod difference;
 pub mod error;
 pub mod event;
+mod explain;
 mod fields;
 pub mod graph;
+mod history;
 pub mod id;
 pub mod key;
 pub mod lock;
@@ -52,17 +66,23 @@ mod memo;
 pub mod node;
 mod object;
 pub mod params;
+pub mod parts;
 pub mod pipeline;
 pub mod plan;
 pub mod publish;
 pub mod read;
+pub mod reason;
 pub mod rebuild;
 pub mod record;
+pub mod revision;
 pub mod run;
 pub mod schedule;
+mod settings;
 pub mod stage;
 pub mod store;
 pub mod streams;
 mod tree;
 mod twice;
 pub mod verify;
+pub mod versions;
+pub mod why;

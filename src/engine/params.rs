@@ -124,8 +124,8 @@ impl ParamsFile {
         keys.try_fold(first, |value, key| value.as_table()?.get(key))
     }
 
-    /// An error about a path, with the place where it, or the nearest table around it, was written.
-    pub fn refuse(&self, path: &str, message: &str) -> Error {
+    /// The place where a path, or the nearest table around it, was written: `stages/paper.toml:62`, or `--set`.
+    pub fn origin(&self, path: &str) -> &str {
         let mut known = path;
         while !self.origins.contains_key(known) {
             match known.rfind(['.', '[']) {
@@ -133,8 +133,12 @@ impl ParamsFile {
                 None => break,
             }
         }
-        let place = self.origins.get(known).map_or("parameters", String::as_str);
-        Error::Usage(format!("{place}: {path}: {message}"))
+        self.origins.get(known).map_or("parameters", String::as_str)
+    }
+
+    /// An error about a path, with its place.
+    pub fn refuse(&self, path: &str, message: &str) -> Error {
+        Error::Usage(format!("{}: {path}: {message}", self.origin(path)))
     }
 
     /// The root seed.

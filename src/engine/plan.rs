@@ -1,11 +1,30 @@
-//! Plan: what a run would do, piece by piece, without doing it.
+//! Plan: what a run would do, piece by piece, without doing it: cached; will run; may run, if an input comes out changed.
+//!
+//! `Run::decide` decides, here as in a run. The plan adds what a run need not know beforehand: which pieces behind a
+//! rerun cannot stay cached whatever comes out, which evicted outputs are needed again, why, and at what cost.
 
+use std::cell::OnceCell;
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs;
+
+use serde::Serialize;
+
+use crate::engine::arrow::Kind;
+use crate::engine::compare::{Present, inputs};
+use crate::engine::explain::{Told, tell};
 use crate::engine::graph::Graph;
-use crate::engine::run::{Decision, Run};
+use crate::engine::history::{History, has_record_file};
+use crate::engine::id::{Id, schema_number};
+use crate::engine::key::KEY_SCHEMA;
+use crate::engine::object;
+use crate::engine::reason::Reason;
+use crate::engine::record::Record;
+use crate::engine::run::{Decision, Listener, Run};
+use crate::engine::stage::Keep;
 use crate::engine::store::Store;
 
 /// What a run would do with one node.
-#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct NodePlan {
     /// `STAGE/CASE`.
     pub node: String,
@@ -19,51 +38,280 @@ pub struct NodePlan {
     pub will_run: usize,
     /// Pieces that run only if an input comes out changed.
     pub may_run: usize,
-    /// Why it is not all cached; empty if it is.
+    /// Why it is not all cached, in words; empty if it is.
     pub reason: String,
-    /// The recorded seconds of the cached pieces.
+    /// The same as data.
+    pub reasons: Vec<Reason>,
+    /// What its pieces that will or may run are expected to take at most, seconds of one core.
     pub seconds: f64,
+    /// What those that will run are expected to take.
+    pub seconds_certain: f64,
+    /// Pieces that will or may run and whose like was never timed: what they take comes on top.
+    pub untimed: usize,
 }
 
-/// Decides every piece of a graph.
-pub fn plan(graph: &Graph, store: &Store) -> Vec<NodePlan> {
-    let silent = |_: &_| {};
-    let run = Run::new(graph, store, &silent);
-    graph
-        .nodes
-        .iter()
-        .enumerate()
-        .map(|(node, _)| plan_node(&run, node))
-        .collect()
+/// What something is expected to take, seconds of one core.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Cost {
+    /// Of the pieces that will run.
+    pub certain: f64,
+    /// Of those that will or may run.
+    pub at_most: f64,
+    /// Pieces among them whose like was never timed.
+    pub untimed: usize,
 }
 
-fn plan_node(run: &Run<'_>, node: usize) -> NodePlan {
-    let it = &run.graph.nodes[node];
-    let mut plan = NodePlan {
-        node: it.name(),
-        paper: it.node.paper().to_owned(),
-        pieces: it.pieces.len(),
-        cached: 0,
-        will_run: 0,
-        may_run: 0,
-        reason: String::new(),
-        seconds: 0.0,
-    };
-    for piece in 0..it.pieces.len() {
-        match run.decide(node, piece) {
-            Decision::Cached => {
-                plan.cached += 1;
-                let record = run.key(node, piece).and_then(|key| run.store.record(&key));
-                plan.seconds += record.map_or(0.0, |record| record.seconds);
-            }
-            Decision::WillRun(_) => plan.will_run += 1,
-            Decision::MayRun => plan.may_run += 1,
+impl Cost {
+    pub(crate) fn add(&mut self, other: Self) {
+        self.certain += other.certain;
+        self.at_most += other.at_most;
+        self.untimed += other.untimed;
+    }
+}
+
+/// The state of one piece.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum State {
+    Cached,
+    WillRun(Cause),
+    /// An input will run; if its content comes out equal, this stays cached.
+    MayRun(Cause),
+}
+
+/// Why a piece is not cached, as far as that shows without comparing records.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Cause {
+    /// There is no record of its key, or no key yet.
+    Key,
+    /// The object of its record is gone.
+    Missing,
+    /// Its object or record is not what was written.
+    Damaged(String),
+    /// It was left out of the store, and this node needs it.
+    Needed(usize),
+}
+
+/// The plan of a graph.
+pub struct Plan<'g> {
+    pub(crate) run: Run<'g>,
+    pub(crate) states: Vec<Vec<State>>,
+    pub(crate) present: Vec<Present>,
+    history: OnceCell<History<'g>>,
+    told: Vec<OnceCell<Told>>,
+}
+
+impl<'g> Plan<'g> {
+    /// Decides every piece of a graph. Outputs of published nodes and those of `verified` ones are read and verified;
+    /// for the others there is only a look whether they are there.
+    pub fn new(graph: &'g Graph, store: &'g Store, verified: &[usize]) -> Self {
+        const SILENT: &Listener<'static> = &|_| {};
+        let mut plan = Self {
+            run: Run::new(graph, store, SILENT),
+            states: Vec::new(),
+            present: Vec::new(),
+            history: OnceCell::new(),
+            told: graph.nodes.iter().map(|_| OnceCell::new()).collect(),
+        };
+        for (node, it) in graph.nodes.iter().enumerate() {
+            plan.present.push(Present::new(&plan.run, node));
+            let verify = it.node.is_published() || verified.contains(&node);
+            let states = (0..it.pieces.len())
+                .map(|piece| plan.state(node, piece, verify))
+                .collect();
+            plan.states.push(states);
+        }
+        plan.find_needed();
+        plan
+    }
+
+    /// Every node, in paper order.
+    pub fn nodes(&self) -> Vec<NodePlan> {
+        (0..self.states.len()).map(|node| self.node_plan(node)).collect()
+    }
+
+    /// What all of it is expected to take.
+    pub fn cost(&self) -> Cost {
+        let mut cost = Cost::default();
+        for node in 0..self.states.len() {
+            cost.add(self.told(node).cost);
+        }
+        cost
+    }
+
+    /// The nodes asked for whose published files are not certain to stay.
+    pub fn affected(&self) -> Vec<String> {
+        let graph = self.run.graph;
+        let affected = |node: &&usize| graph.nodes[**node].node.is_published() && !self.is_cached(**node);
+        graph
+            .targets
+            .iter()
+            .filter(affected)
+            .map(|node| graph.nodes[*node].name())
+            .collect()
+    }
+
+    /// Whether a run would leave a node alone.
+    pub fn is_cached(&self, node: usize) -> bool {
+        self.states[node].iter().all(|state| *state == State::Cached)
+    }
+
+    /// The published texts of a node that is cached, without healing anything.
+    pub fn published(&self, node: usize) -> Option<BTreeMap<String, String>> {
+        let it = &self.run.graph.nodes[node];
+        let id = self.run.id(node, 0)?;
+        it.node.published(&self.look(node, &id).ok()?).ok()
+    }
+
+    pub(crate) fn history(&self) -> &History<'g> {
+        self.history.get_or_init(|| History::read(self.run.store))
+    }
+
+    pub(crate) fn told(&self, node: usize) -> &Told {
+        self.told[node].get_or_init(|| tell(self, node))
+    }
+
+    fn node_plan(&self, node: usize) -> NodePlan {
+        let it = &self.run.graph.nodes[node];
+        let told = self.told(node);
+        let count = |of: fn(&State) -> bool| self.states[node].iter().filter(|state| of(state)).count();
+        NodePlan {
+            node: it.name(),
+            paper: it.node.paper().to_owned(),
+            pieces: it.pieces.len(),
+            cached: count(|state| *state == State::Cached),
+            will_run: count(|state| matches!(state, State::WillRun(_))),
+            may_run: count(|state| matches!(state, State::MayRun(_))),
+            reason: told.sentence(self.run.graph),
+            reasons: told.all(self.run.graph),
+            seconds: told.cost.at_most,
+            seconds_certain: told.cost.certain,
+            untimed: told.cost.untimed,
         }
     }
-    if plan.will_run > 0 {
-        "nothing in the store was made from these parameters, inputs and code".clone_into(&mut plan.reason);
-    } else if plan.may_run > 0 {
-        "an input will run".clone_into(&mut plan.reason);
+
+    fn state(&self, node: usize, piece: usize, verify: bool) -> State {
+        match self.run.decide(node, piece) {
+            Decision::Cached if !verify => State::Cached,
+            Decision::Cached => match self.run.id(node, piece).map(|id| self.look(node, &id)) {
+                Some(Err(Some(why))) => State::WillRun(Cause::Damaged(format!("object damaged: {why}"))),
+                _ => State::Cached,
+            },
+            Decision::WillRun(key) => match self.run.store.record(&key) {
+                Some(record) => State::WillRun(self.lost(node, piece, &record)),
+                None if has_record_file(self.run.store, &key) => {
+                    State::WillRun(Cause::Damaged("record damaged".to_owned()))
+                }
+                None => State::WillRun(Cause::Key),
+            },
+            Decision::MayRun if self.can_hit(node, piece) => State::MayRun(Cause::Key),
+            Decision::MayRun => State::WillRun(Cause::Key),
+        }
     }
-    plan
+
+    /// A record without its object: made again, it must have its id, so nothing below needs to run for it.
+    fn lost(&self, node: usize, piece: usize, record: &Record) -> Cause {
+        if let Some(id) = Id::parse(&record.id) {
+            self.run.suppose(node, piece, id, record.bytes);
+        }
+        let quarantined = self.run.store.root().join("quarantine").join(&record.id);
+        if quarantined.exists() {
+            Cause::Damaged("object damaged: it lies in quarantine".to_owned())
+        } else {
+            Cause::Missing
+        }
+    }
+
+    /// Verified bytes of an object, which stays where it is; else what is wrong with it, or nothing if it is not there.
+    fn look(&self, node: usize, id: &Id) -> Result<Vec<u8>, Option<String>> {
+        let hex = id.to_string();
+        let path = self.run.store.root().join("objects").join(&hex[..2]).join(&hex[2..]);
+        let file = fs::read(path).map_err(|_| None)?;
+        let schema = schema_number(self.run.graph.nodes[node].node.schema());
+        object::open(id, Some(schema), &file).map_err(Some)
+    }
+
+    /// Whether there is a record that some outcome of the unknown inputs would find.
+    fn can_hit(&self, node: usize, piece: usize) -> bool {
+        let it = &self.run.graph.nodes[node];
+        let now = inputs(&self.run, node, piece);
+        // A list of another length is another content, whatever its pieces come to.
+        let lengths: Vec<usize> = now.iter().map(|now| self.states[now.node].len()).collect();
+        let is_as_long = |record: &Record| {
+            let part = self.history().inputs_of(record);
+            part.is_none_or(|part| {
+                let places = part.inputs.iter().zip(&now).zip(&lengths);
+                let mut read_whole = places.filter(|((_, now), _)| now.piece.is_none());
+                read_whole.all(|((old, _), length)| old.pieces.len().max(1) == *length)
+            })
+        };
+        let fits = |record: &Record| {
+            record.keys == KEY_SCHEMA
+                && record.seed == self.run.graph.seed
+                && record.code == self.present[node].code
+                && record.params == self.present[node].params
+                && record.inputs.len() == now.len()
+                && now
+                    .iter()
+                    .zip(&record.inputs)
+                    .all(|(now, old)| now.id.as_ref().is_none_or(|id| id == old))
+                && is_as_long(record)
+                && self.history().is_usable(record)
+        };
+        self.history()
+            .of_piece(it.node.name(), it.pieces[piece])
+            .iter()
+            .any(fits)
+    }
+
+    /// Marks evicted outputs that a piece which will or may run reads; from below, since they may need others.
+    fn find_needed(&mut self) {
+        for node in (0..self.states.len()).rev() {
+            for link in &self.run.graph.nodes[node].links {
+                for up in &link.upstream {
+                    if self.run.graph.nodes[*up].node.keep() == Keep::Evict {
+                        self.need(node, *up, link.kind == Kind::Each);
+                    }
+                }
+            }
+        }
+    }
+
+    fn need(&mut self, reader: usize, up: usize, each: bool) {
+        let needed = |state: &State| match state {
+            State::Cached => None,
+            State::WillRun(_) => Some(State::WillRun(Cause::Needed(reader))),
+            State::MayRun(_) => Some(State::MayRun(Cause::Needed(reader))),
+        };
+        let strongest = |states: &[State]| {
+            let will = states.iter().find(|state| matches!(state, State::WillRun(_)));
+            will.or_else(|| states.iter().find(|state| **state != State::Cached))
+                .and_then(needed)
+        };
+        let whole = strongest(&self.states[reader]);
+        for piece in 0..self.states[up].len() {
+            let wanted = if each {
+                needed(&self.states[reader][piece])
+            } else {
+                whole.clone()
+            };
+            let Some(wanted) = wanted else { continue };
+            let stronger = match &self.states[up][piece] {
+                State::Cached => self.run.id(up, piece).is_some_and(|id| !self.run.store.has(&id)),
+                State::MayRun(Cause::Needed(_)) => matches!(wanted, State::WillRun(_)),
+                _ => false,
+            };
+            if stronger {
+                self.states[up][piece] = wanted;
+            }
+        }
+    }
+}
+
+/// The pieces of a node that the plan would not leave alone.
+pub(crate) fn not_cached(states: &[State]) -> BTreeSet<usize> {
+    let pieces = states.iter().enumerate();
+    pieces
+        .filter(|(_, state)| **state != State::Cached)
+        .map(|(piece, _)| piece)
+        .collect()
 }

@@ -1,6 +1,11 @@
 //! Record: key -> id, and how it was made. Its last field is the BLAKE3 of the bytes before it.
+//!
+//! What later runs compare (files and crates, parameters, names of inputs) would be the same in thousands of records, so
+//! it lies in `parts/`, and a record names it. A record from before that names none: still a hit, only less to tell.
 
 use serde::{Deserialize, Serialize};
+
+use crate::engine::parts::PartNames;
 
 /// What the store remembers of one piece.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -35,6 +40,15 @@ pub struct Record {
     pub rustc: String,
     /// Architecture and system.
     pub target: String,
+    /// The layout of the key's preimage.
+    #[serde(default = "first_key_schema")]
+    pub keys: u32,
+    /// When it was made, ms since 1970; tells only which of two records is the later one.
+    #[serde(default)]
+    pub made: u64,
+    /// The parts that say what the hashes above are of; none in a record from before there were parts.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub parts: Option<PartNames>,
 }
 
 /// Architecture and system of this process.
@@ -44,21 +58,36 @@ pub(crate) fn system() -> String {
 
 const CHECK: &str = ",\"check\":\"";
 
+/// Records that do not say so are of the first layout.
+fn first_key_schema() -> u32 {
+    1
+}
+
 impl Record {
     /// The record's text, check included.
     pub(crate) fn text(&self) -> String {
         let json = serde_json::to_string(self).expect("a record holds only strings and finite numbers");
-        let body = &json[..json.len() - 1];
-        format!("{body}{CHECK}{}\"}}\n", blake3::hash(body.as_bytes()).to_hex())
+        sealed(&json).1
     }
 
     /// Reads a record; a damaged one is none.
     pub(crate) fn parse(text: &str) -> Option<Self> {
-        let (body, check) = text.rsplit_once(CHECK)?;
-        let check = check.strip_suffix("\"}\n")?;
-        if blake3::hash(body.as_bytes()).to_hex().as_str() != check {
-            return None;
-        }
-        serde_json::from_str(&format!("{body}}}")).ok()
+        serde_json::from_str(&opened(text)?.1).ok()
     }
+}
+
+/// A JSON object with the check as its last field, and the check.
+pub(crate) fn sealed(json: &str) -> (String, String) {
+    let body = &json[..json.len() - 1];
+    let check = blake3::hash(body.as_bytes()).to_hex().to_string();
+    let text = format!("{body}{CHECK}{check}\"}}\n");
+    (check, text)
+}
+
+/// The check of such a text and the object without it; none if it is damaged.
+pub(crate) fn opened(text: &str) -> Option<(String, String)> {
+    let (body, check) = text.rsplit_once(CHECK)?;
+    let check = check.strip_suffix("\"}\n")?;
+    let holds = blake3::hash(body.as_bytes()).to_hex().as_str() == check;
+    holds.then(|| (check.to_owned(), format!("{body}}}")))
 }

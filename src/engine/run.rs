@@ -1,7 +1,7 @@
 //! Run: the state of one walk through a graph. One code path decides what is cached; `status` and `run` both ask it.
 
 use std::sync::{Arc, OnceLock};
-use std::time::Instant;
+use std::time::{Instant, SystemTime, UNIX_EPOCH};
 
 use crate::engine::arrow::Kind;
 use crate::engine::code;
@@ -9,10 +9,11 @@ use crate::engine::error::Result;
 use crate::engine::event::Event;
 use crate::engine::graph::{Graph, Link};
 use crate::engine::id::{Id, Key, schema_number};
-use crate::engine::key::{InputKey, Preimage};
+use crate::engine::key::{InputKey, KEY_SCHEMA, Preimage};
 use crate::engine::memo::Memo;
 use crate::engine::node::Value;
 use crate::engine::object;
+use crate::engine::parts::{self, PartNames};
 use crate::engine::read::Reader;
 use crate::engine::record::{self, Record};
 use crate::engine::stage::{Here, Keep};
@@ -35,6 +36,8 @@ pub struct Run<'g> {
     /// Per piece: its id and the length of its output, once known.
     known: Vec<Vec<OnceLock<(Id, u64)>>>,
     contents: Vec<OnceLock<Id>>,
+    /// Per node: the parts that its records name, once one of its pieces was made.
+    parts: Vec<OnceLock<PartNames>>,
     memo: Memo,
 }
 
@@ -57,12 +60,14 @@ impl<'g> Run<'g> {
             .map(|node| node.pieces.iter().map(|_| OnceLock::new()).collect())
             .collect();
         let contents = graph.nodes.iter().map(|_| OnceLock::new()).collect();
+        let parts = graph.nodes.iter().map(|_| OnceLock::new()).collect();
         Self {
             graph,
             store,
             listener,
             known,
             contents,
+            parts,
             memo: Memo::new(MEMO_BYTES),
         }
     }
@@ -160,6 +165,11 @@ impl<'g> Run<'g> {
         }
     }
 
+    /// Takes an id for known without looking: a plan's word for an object that will be made again.
+    pub(crate) fn suppose(&self, node: usize, piece: usize, id: Id, bytes: u64) {
+        let _ = self.known[node][piece].set((id, bytes));
+    }
+
     /// Runs a piece, stores its output and takes note of its id.
     pub(crate) fn make(&self, node: usize, piece: usize, key: Key) -> Result<()> {
         let it = &self.graph.nodes[node];
@@ -173,7 +183,8 @@ impl<'g> Run<'g> {
         let seconds = start.elapsed().as_secs_f64();
         let schema = schema_number(it.node.schema());
         let id = Id::of(crate::engine::codec::CODEC, schema, &bytes);
-        let record = self.record(node, piece, key, id, bytes.len() as u64, seconds);
+        let mut record = self.record(node, piece, key, id, bytes.len() as u64, seconds);
+        record.parts = Some(self.parts(node)?);
         let earlier = self.store.record(&key);
         if let Some(earlier) = earlier.as_ref().filter(|earlier| earlier.id != record.id) {
             return Err(twice::error(self, node, piece, &earlier.id, &bytes));
@@ -235,7 +246,21 @@ impl<'g> Run<'g> {
             inputs: inputs.flatten().map(|id| id.to_string()).collect(),
             rustc: code::RUSTC.to_owned(),
             target: record::system(),
+            keys: KEY_SCHEMA,
+            made: SystemTime::now()
+                .duration_since(UNIX_EPOCH)
+                .map_or(0, |since| since.as_millis() as u64),
+            parts: None,
         }
+    }
+
+    /// The parts of a node whose inputs are all known, put into the store the first time.
+    fn parts(&self, node: usize) -> Result<PartNames> {
+        if let Some(names) = self.parts[node].get() {
+            return Ok(names.clone());
+        }
+        let names = parts::keep(self, node)?;
+        Ok(self.parts[node].get_or_init(|| names).clone())
     }
 
     /// The decoded output of a piece whose id is known: from memory, from the store, or made again and checked.

@@ -1,11 +1,14 @@
 //! Claims about the cache, asserted on the event log of a toy pipeline.
 
 mod cases;
+mod chart;
 mod difference;
 mod hits;
 mod locks;
 mod params;
 mod pieces;
+mod plan;
 mod seeds;
 mod store;
 mod verify;
+mod why;

@@ -1,7 +1,10 @@
 //! The contract of the command line (house.md, section 5), on the real binary.
 
+mod diff;
 mod exits;
+mod graph;
 mod ranges;
 mod refusals;
 mod verbs;
 mod verify;
+mod why;

@@ -52,10 +52,21 @@ fn states(status: &Value) -> BTreeSet<(String, String)> {
 fn a_whole_run_is_told_shown_verified_and_repaired() {
     let program = Program::new("tiny");
     let before = program.json(&["status"]);
-    assert_eq!(keys(&before), ["files", "format", "nodes", "profile"]);
+    let expected = ["cost", "figures", "files", "format", "nodes", "profile", "stale"];
+    assert_eq!(keys(&before), expected);
     assert_eq!(before["profile"], "tiny");
     let node_keys = [
-        "cached", "may_run", "node", "paper", "pieces", "reason", "seconds", "will_run",
+        "cached",
+        "may_run",
+        "node",
+        "paper",
+        "pieces",
+        "reason",
+        "reasons",
+        "seconds",
+        "seconds_certain",
+        "untimed",
+        "will_run",
     ];
     let sum = |status: &Value, key: &str| {
         let nodes = status["nodes"].as_array().expect("a list").iter();
@@ -63,13 +74,15 @@ fn a_whole_run_is_told_shown_verified_and_repaired() {
     };
     for node in before["nodes"].as_array().expect("a list") {
         assert_eq!(keys(node), node_keys);
-        assert_ne!(node["reason"], "");
+        assert_eq!(
+            (&node["reason"], &node["reasons"][0]["kind"]),
+            (&"first time".into(), &"first_time".into())
+        );
     }
     assert_eq!(sum(&before, "cached"), 0);
-    assert_eq!(
-        sum(&before, "pieces"),
-        sum(&before, "will_run") + sum(&before, "may_run")
-    );
+    assert_eq!(sum(&before, "pieces"), sum(&before, "will_run"));
+    assert_eq!(before["figures"].as_array().map(Vec::len), Some(13));
+    assert_eq!(before["cost"]["untimed"].as_u64(), Some(sum(&before, "pieces")));
     assert!(states(&before).iter().all(|(_, state)| state == "missing"));
     assert!(!program.path("store/figures").exists());
 
@@ -99,6 +112,8 @@ fn a_whole_run_is_told_shown_verified_and_repaired() {
     let after = program.json(&["status"]);
     assert_eq!(sum(&after, "cached"), sum(&after, "pieces"));
     assert!(states(&after).iter().all(|(_, state)| state == "current"));
+    let nothing = serde_json::json!({"certain": 0.0, "at_most": 0.0, "untimed": 0});
+    assert_eq!((&after["cost"], &after["figures"]), (&nothing, &serde_json::json!([])));
     let dry = program.json(&["run", "--dry-run"]);
     assert_eq!((&dry["nodes"], &dry["files"]), (&after["nodes"], &after["files"]));
 

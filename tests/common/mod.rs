@@ -1,18 +1,21 @@
 //! A toy pipeline in a temporary folder, run in the test's own process; what it did is an event log.
 
 pub(crate) mod program;
+pub(crate) mod records;
 pub(crate) mod toy;
 
 use encounter::engine::error::Error;
 use encounter::engine::event::Event;
-use encounter::engine::graph::{Graph, Target};
+use encounter::engine::graph::{Graph, NodeCase, Target};
 use encounter::engine::id::{Id, Key};
 use encounter::engine::lock::Lock;
 use encounter::engine::params::ParamsFile;
 use encounter::engine::pipeline::Pipeline;
+use encounter::engine::plan::{NodePlan, Plan};
 use encounter::engine::rebuild::{Against, Rebuilt};
 use encounter::engine::run::Run;
 use encounter::engine::store::Store;
+use encounter::engine::why::{Why, why};
 use encounter::engine::{publish, rebuild, schedule, verify};
 use std::collections::BTreeMap;
 use std::fs;
@@ -226,6 +229,37 @@ impl House {
             workers: self.workers,
         };
         rebuild::compare(&run, &made, &against)
+    }
+
+    /// The plan of the parameters in force.
+    pub(crate) fn plan<T>(&self, look: impl FnOnce(&Plan<'_>, &Graph) -> T) -> T {
+        let graph = self.graph(&[]).expect("the parameters are in order");
+        let store = Store::look(&self.path("store"));
+        look(&Plan::new(&graph, &store, &[]), &graph)
+    }
+
+    /// The plan of one node.
+    pub(crate) fn plan_of(&self, node: &str) -> NodePlan {
+        let nodes = self.plan(|plan, _| plan.nodes());
+        nodes
+            .into_iter()
+            .find(|plan| plan.node == node)
+            .expect("the node exists")
+    }
+
+    /// Why some nodes, named `NODE` or `STAGE`, are not cached.
+    pub(crate) fn why(&self, target: &str) -> Why {
+        let target = Target::parse(target).expect("a target");
+        let graph = self.graph(&[]).expect("the parameters are in order");
+        let named = |node: &NodeCase| {
+            let of_case = target.case.as_ref().is_none_or(|case| *case == node.case.to_string());
+            node.node.name() == target.stage && of_case
+        };
+        let nodes: Vec<usize> = (0..graph.nodes.len())
+            .filter(|node| named(&graph.nodes[*node]))
+            .collect();
+        let store = Store::look(&self.path("store"));
+        why(&Plan::new(&graph, &store, &nodes), &nodes, target.piece)
     }
 
     pub(crate) fn object(&self, id: &Id) -> PathBuf {
