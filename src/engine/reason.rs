@@ -76,7 +76,7 @@ pub enum Reason {
     },
     /// Something changed, and the record is from before that was kept.
     Unrecorded {
-        /// `code`, `parameters` or `inputs`.
+        /// `code`, `parameters`, `inputs` or `key`.
         what: String,
     },
     /// Nothing of this node was ever made with this piece.
@@ -127,7 +127,7 @@ impl fmt::Display for Reason {
             Self::Input { name, old, new } => write!(f, "input `{name}` {} -> {}", short(old), short(new)),
             Self::Inputs { gone, added } => write!(f, "{}", reading(gone, added)),
             Self::Upstream { name } => write!(f, "input `{name}` runs first"),
-            Self::Unrecorded { what } => write!(f, "its {what} changed; what they were was not recorded then"),
+            Self::Unrecorded { what } => write!(f, "its {what} changed (recorded before the old ones were kept)"),
             Self::FirstTime => f.write_str("first time"),
             Self::Missing { .. } => f.write_str("object missing"),
             Self::Damaged { what, .. } => write!(f, "{what}"),

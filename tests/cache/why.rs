@@ -131,7 +131,7 @@ fn a_record_from_before_parts_is_a_hit_and_tells_what_it_can() {
     assert_eq!(house.run().ran(), [""; 0]);
     let mut house = house;
     house.set("total.modulo=999983");
-    let sentence = "its parameters changed; what they were was not recorded then";
+    let sentence = "its parameters changed (recorded before the old ones were kept)";
     assert_eq!(house.plan_of("total/a").reason, sentence);
     assert_eq!(
         told(&house.why("report/small")),
@@ -151,7 +151,7 @@ fn a_damaged_part_makes_why_say_less_and_nothing_else() {
     }
     assert_eq!(house.run().ran(), [""; 0]);
     house.set("aside.value=6");
-    assert!(house.plan_of("aside").reason.starts_with("its parameters changed; "));
+    assert!(house.plan_of("aside").reason.starts_with("its parameters changed ("));
     // The next record's parts are whole again.
     house.run().expect_success();
     house.set("aside.value=7");
