@@ -1,7 +1,9 @@
 //! The command line: verbs, options, and what every verb needs. It speaks; it never computes.
 
 pub mod diff;
+pub mod gc;
 pub mod graph;
+mod interrupt;
 pub mod progress;
 pub mod run;
 pub mod show;
@@ -13,9 +15,11 @@ mod words;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::sync::Arc;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
+use crate::engine::disk::System;
 use crate::engine::error::{Error, Result};
 use crate::engine::graph::{Graph, Target};
 use crate::engine::params::ParamsFile;
@@ -49,6 +53,8 @@ enum Verb {
     Graph(graph::GraphArgs),
     /// Check the committed lock: against the code, or against a run from nothing
     Verify(verify::VerifyArgs),
+    /// Make room in the store: what nothing reaches goes, then what can be made again
+    Gc(gc::GcArgs),
 }
 
 /// Options of every verb.
@@ -182,12 +188,27 @@ struct Session {
 
 impl Session {
     fn open_store(&self) -> Result<Store> {
-        Store::open(&self.store)
+        Store::open_on(&self.store, Arc::new(System), &wait_for_gc).map(told_of_locks)
     }
 
     fn look_at_store(&self) -> Store {
-        Store::look(&self.store)
+        told_of_locks(Store::look_on(&self.store, Arc::new(System), &wait_for_gc))
     }
+}
+
+/// Says so where the file system has no locks.
+fn told_of_locks(store: Store) -> Store {
+    if store.is_without_locks() {
+        let folder = store.root().display();
+        progress::tell(&format!(
+            "{folder} has no file locks: runs at once may do the same work twice, nothing else"
+        ));
+    }
+    store
+}
+
+fn wait_for_gc() {
+    progress::tell("waiting for `encounter gc`, which has the store to itself");
 }
 
 /// Prints a line; a reader that has gone, such as `head`, is no error.
@@ -202,8 +223,10 @@ fn print_json(value: &serde_json::Value) {
 /// Parses the command line, runs the verb, prints the error; the exit code says which kind it was.
 pub fn main() -> ExitCode {
     let verb = Cli::parse().verb;
+    interrupt::listen();
     match forced_level().and_then(|()| act(&verb)) {
         Ok(()) => ExitCode::SUCCESS,
+        Err(Error::Interrupted) => interrupt::leave(),
         Err(error) => {
             progress::tell(&format!("error: {error}"));
             ExitCode::from(error.exit_code())
@@ -220,6 +243,7 @@ fn act(verb: &Verb) -> Result<()> {
         Verb::Diff(args) => diff::diff(args),
         Verb::Graph(args) => graph::graph(args),
         Verb::Verify(args) => same_bits().and_then(|()| verify::verify(args)),
+        Verb::Gc(args) => gc::gc(args),
     }
 }
 

@@ -59,6 +59,15 @@ impl Progress {
             Event::DidReuse { node, .. } => self.did(&mut state, node, None),
             Event::DidHeal { node, piece, why } => self.say(&format!("{node}/{piece}: {why}; making it again")),
             Event::DidFail { message, .. } => self.say(message),
+            Event::DidWait { node, piece } => {
+                self.say(&format!("{node}/{piece}: another run is making it; waiting"));
+            }
+            Event::DidSetAside { path, kept } => {
+                self.say(&format!(
+                    "{path}: edited by hand; moved to {}, ours restored",
+                    kept.display()
+                ));
+            }
             Event::DidPublish { .. } => {}
         }
     }

@@ -8,8 +8,9 @@ use std::time::Instant;
 use clap::Args;
 use serde_json::json;
 
+use crate::cli::interrupt::STOP;
 use crate::cli::progress::Progress;
-use crate::cli::{Common, Session, print_json, say, status};
+use crate::cli::{Common, Session, gc, print_json, say, status};
 use crate::engine::code;
 use crate::engine::error::{Error, Result};
 use crate::engine::event::Event;
@@ -62,14 +63,18 @@ pub fn run(args: &RunArgs) -> Result<()> {
         progress.hear(event);
         ledger.lock().expect("a listener does not panic").hear(event);
     };
-    let outcome = execute(args, &session, &store, &listener);
+    let outcome = execute(args, &session, &store, &listener).map_err(|error| gc::hint(error, &session.store));
     progress.finish();
+    drop(store);
     let ledger = ledger.into_inner().expect("a listener does not panic");
     let seconds = start.elapsed().as_secs_f64();
     if args.common.json {
         print_json(&ledger.json(seconds));
     } else if outcome.is_ok() {
         ledger.print(&session, seconds);
+    }
+    if outcome.is_ok() && !ledger.ran.is_empty() {
+        gc::after_run(&session.store);
     }
     outcome
 }
@@ -83,7 +88,8 @@ pub(super) fn workers(j: Option<u16>) -> usize {
 }
 
 fn execute(args: &RunArgs, session: &Session, store: &Store, listener: &(dyn Fn(&Event) + Sync)) -> Result<()> {
-    let run = Run::new(&session.graph, store, listener);
+    publish::check_folder(&session.graph, SHIP, &session.ships, &session.figures)?;
+    let run = Run::new(&session.graph, store, listener).until(&STOP);
     let outcome = schedule::execute(&run, workers(args.j));
     if !matches!(outcome, Ok(()) | Err(Error::Failures(_))) {
         return outcome;
@@ -106,14 +112,7 @@ fn write_lock(args: &RunArgs, lock: &Lock) -> Result<()> {
     if old.as_ref().is_some_and(same) {
         return Ok(());
     }
-    let temporary = path.with_extension("lock.tmp");
-    fs::write(&temporary, lock.text())
-        .and_then(|()| fs::rename(&temporary, &path))
-        .map_err(|source| Error::Io {
-            action: "write the lock",
-            path,
-            source,
-        })
+    publish::write(&path, &lock.text())
 }
 
 impl Ledger {
@@ -131,7 +130,7 @@ impl Ledger {
             Event::DidHeal { node, piece, why } => self.healed.push(format!("{node}/{piece}: {why}")),
             Event::DidFail { node, piece, message } => self.failed.push(format!("{node}/{piece}: {message}")),
             Event::DidPublish { path, id, written } => self.files.push((path.clone(), id.clone(), *written)),
-            Event::DidPlan { .. } | Event::WillRun { .. } => {}
+            Event::DidPlan { .. } | Event::WillRun { .. } | Event::DidWait { .. } | Event::DidSetAside { .. } => {}
         }
     }
 

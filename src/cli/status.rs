@@ -1,8 +1,5 @@
 //! `encounter status`: the plan of a run, and the state of each published file.
 
-use std::fs;
-use std::path::Path;
-
 use clap::Args;
 use serde_json::json;
 
@@ -11,7 +8,8 @@ use crate::cli::{Common, Session, print_json, say};
 use crate::engine::code;
 use crate::engine::error::Result;
 use crate::engine::plan::{Cost, NodePlan, Plan};
-use crate::engine::publish;
+use crate::engine::publish::{self, Ours, State};
+use crate::engine::store::Store;
 use crate::stages::axes::SHIP;
 
 /// Arguments of `encounter status`.
@@ -36,7 +34,7 @@ pub(super) fn print(common: &Common, session: &Session) -> Result<()> {
     let store = session.look_at_store();
     let plan = Plan::new(&session.graph, &store, &[]);
     let nodes = plan.nodes();
-    let files = files(session, &plan);
+    let files = files(session, &store, &plan);
     let stale = code::stale(&Common::root()?);
     let cost = plan.cost();
     if common.json {
@@ -52,7 +50,7 @@ pub(super) fn print(common: &Common, session: &Session) -> Result<()> {
     }
     let longest = nodes.iter().map(|node| node.node.len()).max().unwrap_or(0);
     words::print(&nodes.iter().map(|node| line(node, longest)).collect::<Vec<_>>());
-    for state in ["edited", "outdated", "missing"] {
+    for state in [State::Edited, State::Outdated, State::Missing] {
         say_files(state, &files);
     }
     let count = |of: fn(&NodePlan) -> usize| nodes.iter().map(of).sum::<usize>();
@@ -68,7 +66,7 @@ pub(super) fn print(common: &Common, session: &Session) -> Result<()> {
 }
 
 /// The files in one state, the first few by name.
-fn say_files(state: &str, files: &[(String, &'static str)]) {
+fn say_files(state: State, files: &[(String, State)]) {
     const MOST: usize = 4;
     let paths: Vec<&str> = files
         .iter()
@@ -149,37 +147,30 @@ fn line(node: &NodePlan, longest: usize) -> Line {
     }
 }
 
-/// The state of each published file: current, edited, missing or outdated.
-fn files(session: &Session, plan: &Plan<'_>) -> Vec<(String, &'static str)> {
+/// The state of each published file.
+fn files(session: &Session, store: &Store, plan: &Plan<'_>) -> Vec<(String, State)> {
+    let ours = Ours::of(store);
     let mut files = Vec::new();
     for (node, prefix) in publish::layout(&session.graph, SHIP, &session.ships) {
         let stem = session.graph.nodes[node].node.name();
         if !plan.is_cached(node) {
-            let path = format!("{prefix}{stem}");
-            let existing = ["svg", "csv", "md", "tex"].map(|extension| format!("{path}.{extension}"));
-            let present: Vec<&String> = existing
-                .iter()
-                .filter(|path| session.figures.join(path).exists())
+            let existing = ["svg", "csv", "md", "tex"].map(|extension| format!("{prefix}{stem}.{extension}"));
+            let states = existing.map(|path| (ours.state(&session.figures.join(&path), None), path));
+            let there: Vec<_> = states
+                .into_iter()
+                .filter(|(state, _)| *state != State::Missing)
                 .collect();
-            if present.is_empty() {
-                files.push((path, "missing"));
+            if there.is_empty() {
+                files.push((format!("{prefix}{stem}"), State::Missing));
             }
-            files.extend(present.iter().map(|path| ((*path).clone(), "outdated")));
+            files.extend(there.into_iter().map(|(state, path)| (path, state)));
             continue;
         }
         for (name, text) in plan.published(node).unwrap_or_default() {
             let path = format!("{prefix}{name}");
-            let state = state_of(&session.figures.join(&path), &text);
+            let state = ours.state(&session.figures.join(&path), Some(&text));
             files.push((path, state));
         }
     }
     files
-}
-
-fn state_of(path: &Path, text: &str) -> &'static str {
-    match fs::read(path) {
-        Err(_) => "missing",
-        Ok(bytes) if bytes == text.as_bytes() => "current",
-        Ok(_) => "edited",
-    }
 }

@@ -11,6 +11,7 @@ use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::json;
 
+use crate::cli::interrupt::STOP;
 use crate::cli::progress::{Progress, tell};
 use crate::cli::run::workers;
 use crate::cli::{Common, Session, print_json, say};
@@ -155,6 +156,8 @@ fn by_sentence(differences: &[String]) -> Vec<String> {
 
 fn verify_store(args: &VerifyArgs, session: &Session) -> Result<()> {
     let start = Instant::now();
+    // Garbage is not collected meanwhile.
+    let _shared = session.look_at_store();
     let bar = bar_of_bytes();
     let found = audit(&session.store, workers(args.j), &|done, all| {
         bar.set_length(all);
@@ -290,7 +293,7 @@ fn rebuild(args: &VerifyArgs, session: &Session, lock: &Lock) -> Result<Rebuilt>
     let store = Store::open(folder.path())?;
     let progress = Progress::new();
     let listener = |event: &Event| progress.hear(event);
-    let run = Run::new(&session.graph, &store, &listener);
+    let run = Run::new(&session.graph, &store, &listener).until(&STOP);
     let outcome = schedule::execute(&run, workers(args.j));
     progress.finish();
     if let Some(short) = outcome.as_ref().err().and_then(Rebuilt::cut_short) {

@@ -1,5 +1,6 @@
 //! What can go wrong in the cache, each with what was expected, what was found and the next step.
 
+use std::io::ErrorKind;
 use std::path::PathBuf;
 
 use crate::engine::difference::Difference;
@@ -31,6 +32,21 @@ pub enum Error {
         /// The operating system's answer.
         source: std::io::Error,
     },
+    /// A disk without room.
+    #[error("cannot write {path}: {source}{room}", path = path.display(), room = room(*needed, *freeable))]
+    Full {
+        /// The file.
+        path: PathBuf,
+        /// Its length, bytes.
+        needed: u64,
+        /// What `encounter gc` could free, if that is known, bytes.
+        freeable: Option<u64>,
+        /// The operating system's answer.
+        source: std::io::Error,
+    },
+    /// Somebody asked the run to end.
+    #[error("interrupted; what is finished is kept, the next run goes on from there")]
+    Interrupted,
     /// Bytes that are not what their name says.
     #[error("{what} is damaged: {why}")]
     Damaged {
@@ -74,6 +90,13 @@ fn told(difference: Option<&Difference>, note: &str) -> String {
     format!("\n  {}", told.join("\n  "))
 }
 
+/// What a full disk lacks, and what could be done.
+fn room(needed: u64, freeable: Option<u64>) -> String {
+    let needed = (needed > 0).then(|| format!("; {needed} bytes needed"));
+    let freeable = freeable.map(|bytes| format!("; `encounter gc --max 0` could free {bytes} bytes"));
+    [needed, freeable].into_iter().flatten().collect()
+}
+
 impl Error {
     /// A failure inside a stage, told in the stage's words; the engine adds the node.
     pub fn stage(message: impl Into<String>) -> Self {
@@ -100,6 +123,24 @@ impl Error {
         move |source| Self::Io { action, path, source }
     }
 
+    /// The same for a file of `needed` bytes, whose disk may have no room for it.
+    pub(crate) fn writing(
+        action: &'static str,
+        path: impl Into<PathBuf>,
+        needed: u64,
+    ) -> impl FnOnce(std::io::Error) -> Self {
+        let path = path.into();
+        move |source| match source.kind() {
+            ErrorKind::StorageFull | ErrorKind::QuotaExceeded => Self::Full {
+                path,
+                needed,
+                freeable: None,
+                source,
+            },
+            _ => Self::Io { action, path, source },
+        }
+    }
+
     /// The exit code of the process.
     pub fn exit_code(&self) -> u8 {
         match self {
@@ -107,7 +148,8 @@ impl Error {
             Self::Usage(_) => 2,
             Self::Difference(_) => 3,
             Self::NotReproducible { .. } | Self::OtherBits(_) => 4,
-            Self::Io { .. } | Self::Damaged { .. } => 5,
+            Self::Io { .. } | Self::Full { .. } | Self::Damaged { .. } => 5,
+            Self::Interrupted => 130,
         }
     }
 }

@@ -1,5 +1,7 @@
 //! Event: what happened, as data. The command line turns events into words, tests read them as they are.
 
+use std::path::PathBuf;
+
 /// One thing that happened during a run.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Event {
@@ -33,6 +35,13 @@ pub enum Event {
         /// The piece's number.
         piece: usize,
     },
+    /// A piece is being made by another run, and nothing else is left to do: the run waits for it.
+    DidWait {
+        /// The node.
+        node: String,
+        /// The piece's number.
+        piece: usize,
+    },
     /// A damaged or missing object was made again, equal to its recorded id.
     DidHeal {
         /// The node.
@@ -50,6 +59,13 @@ pub enum Event {
         piece: usize,
         /// What went wrong.
         message: String,
+    },
+    /// A published file that somebody had edited was moved aside, to be restored.
+    DidSetAside {
+        /// The path within the figures folder.
+        path: String,
+        /// Where the edited file is now.
+        kept: PathBuf,
     },
     /// A published file was looked at.
     DidPublish {

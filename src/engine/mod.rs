@@ -29,17 +29,22 @@
 //! counts. An object without a record is garbage, never a lie; a record whose
 //! object is gone or damaged is a miss: made again, and required to have its recorded id.
 //!
+//! Several runs may share a store: `locks/KEY` is locked while its piece is made and until its record can be read, so each
+//! key is made once; the kernel frees the lock of a process that dies. `store.lock` is held shared by every verb, and by
+//! `gc` alone. `runs/` (what the last three used), `manifests/` (the pieces of a content) and the locks say what `gc` must
+//! keep; `published` tells our figures from edited ones, which go to `edited/` before ours are restored.
+//!
 //! Outputs marked [`Keep::Evict`](crate::engine::stage::Keep) are hashed and recorded but not written; when a reader needs
-//! one and it has left memory, it is made again and checked.
+//! one and it has left memory, it is made again and checked. What `gc` took to make room is treated alike.
 //!
 //! Before a run, a plan says of each piece: cached; will run; may run, if an input comes out changed. `why` compares what a
 //! piece would be made from with the nearest record of it (fewest differences, of those the latest, so that another
 //! profile in the same store explains nothing) and walks the inputs to the root changes. A record from before parts were
 //! kept is a hit like any other; what it cannot tell is said to be unrecorded.
 //!
-//! Order of reading: `stage`, `arrow`, `node`; `case`, `params`, `pipeline`, `graph`; `key`, `code`, `run`, `schedule`;
-//! `store`, `object`, `record`, `parts`; `lock`, `verify`, `audit`, `rebuild`, `difference`, `publish`; `plan`, `history`, `compare`, `explain`, `why`;
-//! `revision`, `versions`; `chart`.
+//! Order of reading: `stage`, `arrow`, `node`; `case`, `params`, `pipeline`, `graph`; `key`, `code`, `run`, `schedule`,
+//! `queue`; `store`, `disk`, `flight`, `object`, `record`, `parts`; `lock`, `verify`, `audit`, `rebuild`, `difference`,
+//! `publish`, `runs`, `gc`; `plan`, `history`, `compare`, `explain`, `why`; `revision`, `versions`; `chart`; `stop`.
 
 pub mod arrow;
 pub mod audit;
@@ -52,10 +57,13 @@ pub mod codec;
 mod compare;
 mod decode;
 pub mod difference;
+pub mod disk;
 pub mod error;
 pub mod event;
 mod explain;
 mod fields;
+mod flight;
+pub mod gc;
 pub mod graph;
 mod history;
 pub mod id;
@@ -70,15 +78,18 @@ pub mod parts;
 pub mod pipeline;
 pub mod plan;
 pub mod publish;
+mod queue;
 pub mod read;
 pub mod reason;
 pub mod rebuild;
 pub mod record;
 pub mod revision;
 pub mod run;
+mod runs;
 pub mod schedule;
 mod settings;
 pub mod stage;
+pub mod stop;
 pub mod store;
 pub mod streams;
 mod tree;

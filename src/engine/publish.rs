@@ -1,17 +1,23 @@
 //! Publishing: the text files of figures and tables, written into a folder a person reads.
 //!
 //! The first value of the first axis (the first ship) writes to the folder itself, each further one to a folder of its
-//! name; the full set lies in each. A file is written only if its bytes differ.
+//! name; the full set lies in each. A file is written only if its bytes differ; one that no run has written was edited by
+//! hand, and is kept in `edited/`.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
+use std::fmt;
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use crate::engine::case::Axis;
+use crate::engine::disk::{Disk, System};
 use crate::engine::error::{Error, Result};
 use crate::engine::event::Event;
+use crate::engine::gc;
 use crate::engine::graph::Graph;
+use crate::engine::lock::Lock;
 use crate::engine::run::Run;
+use crate::engine::store::Store;
 
 /// The published files of a graph: path within the figures folder -> (node, name of the file in the artifact).
 pub fn layout(graph: &Graph, axis: Axis, values: &[String]) -> Vec<(usize, String)> {
@@ -48,35 +54,159 @@ pub fn texts(run: &Run<'_>, axis: Axis, values: &[String]) -> Result<BTreeMap<St
     Ok(texts)
 }
 
-/// Writes what differs.
+/// Writes what differs. A file that is not of our making is copied to `edited/` in the store first.
 ///
 /// # Errors
 /// A folder or file that cannot be written.
 pub fn publish(run: &Run<'_>, texts: &BTreeMap<String, String>, folder: &Path) -> Result<()> {
+    let ours = Ours::of(run.store);
+    ours.remember(run.store, texts)?;
     for (name, text) in texts {
         let path = folder.join(name);
-        let same = fs::read(&path).is_ok_and(|old| old == text.as_bytes());
-        if !same {
+        let state = ours.state(&path, Some(text));
+        if state == State::Edited {
+            set_aside(run, name, &path)?;
+        }
+        if state != State::Current {
             write(&path, text)?;
         }
         let id = blake3::hash(text.as_bytes()).to_hex().to_string();
         run.tell(&Event::DidPublish {
             path: name.clone(),
             id,
-            written: !same,
+            written: state != State::Current,
         });
     }
     Ok(())
 }
 
-fn write(path: &Path, text: &str) -> Result<()> {
+fn set_aside(run: &Run<'_>, name: &str, path: &Path) -> Result<()> {
+    let bytes = fs::read(path).map_err(Error::io("read the figure", path))?;
+    let hash = blake3::hash(&bytes).to_hex();
+    let (stem, extension) = name.rsplit_once('.').unwrap_or((name, ""));
+    let kept = run.store.root().join("edited");
+    let kept = kept.join(format!("{stem}.{}.{extension}", &hash[..8]));
+    run.store.write(&kept, &bytes, true)?;
+    let path = name.to_owned();
+    run.tell(&Event::DidSetAside { path, kept });
+    Ok(())
+}
+
+/// Makes sure, before hours of work, that what a graph publishes can be written.
+///
+/// # Errors
+/// A folder in which no file can be made.
+pub fn check_folder(graph: &Graph, axis: Axis, values: &[String], folder: &Path) -> Result<()> {
+    let folders = layout(graph, axis, values).into_iter().map(|(_, prefix)| prefix);
+    for prefix in folders.collect::<BTreeSet<_>>() {
+        // Without the slash at its end, which hides a file of the same name.
+        let folder: PathBuf = folder.join(prefix).components().collect();
+        // What is not there yet will be made in the nearest folder that is.
+        let there = folder.ancestors().find(|path| path.symlink_metadata().is_ok());
+        let there = there.unwrap_or(Path::new("."));
+        let probe = there.join(format!(".encounter-{}.tmp", std::process::id()));
+        let made = fs::write(&probe, "").and_then(|()| fs::remove_file(&probe));
+        made.map_err(Error::io("write figures to", folder))?;
+    }
+    Ok(())
+}
+
+/// How a published file stands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum State {
+    /// What a run would write.
+    Current,
+    /// Not there.
+    Missing,
+    /// Written by an earlier run.
+    Outdated,
+    /// Written by somebody else.
+    Edited,
+}
+
+impl fmt::Display for State {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Current => "current",
+            Self::Missing => "missing",
+            Self::Outdated => "outdated",
+            Self::Edited => "edited",
+        })
+    }
+}
+
+/// The hashes of what runs have published: those that this store remembers, and those of its locks.
+pub struct Ours {
+    hashes: Vec<String>,
+    locked: BTreeSet<String>,
+}
+
+impl Ours {
+    /// The newest texts that are remembered.
+    const MOST: usize = 4096;
+
+    /// What a store and its locks know.
+    pub fn of(store: &Store) -> Self {
+        let text = fs::read_to_string(store.root().join("published")).unwrap_or_default();
+        let locks = gc::locks_in(store.root()).into_iter();
+        let locks = locks.filter_map(|(_, text)| Lock::parse(&text).ok());
+        let files = locks.flat_map(|lock| lock.lines.into_iter().filter(|line| line.pieces.is_none()));
+        Self {
+            hashes: text.lines().map(str::to_owned).collect(),
+            locked: files.map(|line| line.content.to_string()).collect(),
+        }
+    }
+
+    /// How a file stands; `text` is what a run would write, if that is known.
+    pub fn state(&self, path: &Path, text: Option<&str>) -> State {
+        let Ok(bytes) = fs::read(path) else {
+            return State::Missing;
+        };
+        if text.is_some_and(|text| text.as_bytes() == bytes) {
+            return State::Current;
+        }
+        let hash = blake3::hash(&bytes).to_hex();
+        if self.locked.contains(hash.as_str()) || self.hashes.iter().any(|known| known == hash.as_str()) {
+            State::Outdated
+        } else {
+            State::Edited
+        }
+    }
+
+    /// Notes what is about to be written: a crash after that leaves nothing that looks edited.
+    fn remember(&self, store: &Store, texts: &BTreeMap<String, String>) -> Result<()> {
+        let mut hashes = self.hashes.clone();
+        for text in texts.values() {
+            let hash = blake3::hash(text.as_bytes()).to_hex().to_string();
+            if !hashes.contains(&hash) {
+                hashes.push(hash);
+            }
+        }
+        if hashes == self.hashes {
+            return Ok(());
+        }
+        let first = hashes.len().saturating_sub(Self::MOST);
+        let text = hashes[first..].join("\n") + "\n";
+        store.write(&store.root().join("published"), text.as_bytes(), false)
+    }
+}
+
+/// Writes a text that people read by way of a temporary file beside it and a rename; on an error nothing is left.
+///
+/// # Errors
+/// A folder or file that cannot be written.
+pub fn write(path: &Path, text: &str) -> Result<()> {
     let folder = path.parent().expect("a published file lies in a folder");
-    fs::create_dir_all(folder).map_err(Error::io("make the figures folder", folder))?;
-    let temporary = path.with_extension(format!("{}.tmp", std::process::id()));
-    let result = fs::write(&temporary, text).and_then(|()| fs::rename(&temporary, path));
+    fs::create_dir_all(folder).map_err(Error::writing("make the folder", folder, 0))?;
+    let extension = path.extension().unwrap_or_default().display();
+    let temporary = path.with_extension(format!("{extension}.{}.tmp", std::process::id()));
+    let written = System.write(&temporary, text.as_bytes());
+    let whole = written.and_then(|()| System.synchronise(&temporary));
+    let result = whole.and_then(|()| System.rename(&temporary, path));
     if result.is_err() {
         // The error to report is the first one.
         let _ = fs::remove_file(&temporary);
     }
-    result.map_err(Error::io("write the figure", path))
+    result.map_err(Error::writing("write", path, text.len() as u64))
 }

@@ -7,6 +7,7 @@ use crate::engine::arrow::Kind;
 use crate::engine::code;
 use crate::engine::error::Result;
 use crate::engine::event::Event;
+use crate::engine::flight::{Hold, KeyLock};
 use crate::engine::graph::{Graph, Link};
 use crate::engine::id::{Id, Key, schema_number};
 use crate::engine::key::{InputKey, KEY_SCHEMA, Preimage};
@@ -17,6 +18,7 @@ use crate::engine::parts::{self, PartNames};
 use crate::engine::read::Reader;
 use crate::engine::record::{self, Record};
 use crate::engine::stage::{Here, Keep};
+use crate::engine::stop::Stop;
 use crate::engine::store::{Found, Store};
 use crate::engine::twice;
 
@@ -39,6 +41,7 @@ pub struct Run<'g> {
     /// Per node: the parts that its records name, once one of its pieces was made.
     parts: Vec<OnceLock<PartNames>>,
     memo: Memo,
+    stop: Option<&'g Stop>,
 }
 
 /// What is known of a piece before anything runs.
@@ -69,7 +72,19 @@ impl<'g> Run<'g> {
             contents,
             parts,
             memo: Memo::new(MEMO_BYTES),
+            stop: None,
         }
+    }
+
+    /// The same walk, ended early when somebody asks for it.
+    #[must_use]
+    pub fn until(mut self, stop: &'g Stop) -> Self {
+        self.stop = Some(stop);
+        self
+    }
+
+    pub(crate) fn is_stopped(&self) -> bool {
+        self.stop.is_some_and(Stop::is_asked)
     }
 
     pub(crate) fn tell(&self, event: &Event) {
@@ -170,8 +185,8 @@ impl<'g> Run<'g> {
         let _ = self.known[node][piece].set((id, bytes));
     }
 
-    /// Runs a piece, stores its output and takes note of its id.
-    pub(crate) fn make(&self, node: usize, piece: usize, key: Key) -> Result<()> {
+    /// Runs a piece, stores its output and takes note of its id; the lock keeps others from making it meanwhile.
+    pub(crate) fn make(&self, node: usize, piece: usize, key: Key, lock: Option<KeyLock>) -> Result<()> {
         let it = &self.graph.nodes[node];
         let name = it.name();
         self.tell(&Event::WillRun {
@@ -190,7 +205,7 @@ impl<'g> Run<'g> {
             return Err(twice::error(self, node, piece, &earlier.id, &bytes));
         }
         let healed = earlier.is_some() && !record.evicted && !self.store.has(&id);
-        self.store.publish(schema, &bytes, &record)?;
+        self.store.publish(schema, &bytes, &record, lock)?;
         if healed {
             let why = MISSING.to_owned();
             let node = name.clone();
@@ -286,11 +301,9 @@ impl<'g> Run<'g> {
         let it = &self.graph.nodes[node];
         let id = self.id(node, piece).expect("a piece is read after its id is known");
         let schema = schema_number(it.node.schema());
-        let evicted = it.node.keep() == Keep::Evict;
-        let why = match self.store.read(&id, Some(schema)) {
+        let damage = match self.store.read(&id, Some(schema)) {
             Found::Bytes(bytes) => return Ok(bytes),
-            Found::Missing if evicted => None,
-            Found::Missing => Some(MISSING.to_owned()),
+            Found::Missing => None,
             Found::Damaged(why) => Some(format!("its object is damaged ({why})")),
         };
         for link in &it.links {
@@ -301,15 +314,32 @@ impl<'g> Run<'g> {
         if made != id {
             return Err(twice::error(self, node, piece, &id.to_string(), &bytes));
         }
-        if let Some(why) = why {
-            self.store.restore(&id, &file)?;
-            self.tell(&Event::DidHeal {
-                node: it.name(),
-                piece,
-                why,
-            });
+        if it.node.keep() != Keep::Evict {
+            self.restore(node, piece, &file, damage)?;
         }
         Ok(bytes)
+    }
+
+    /// Puts an object back; one that `gc` took away was not lost.
+    fn restore(&self, node: usize, piece: usize, file: &[u8], damage: Option<String>) -> Result<()> {
+        let (Some(id), Some(key)) = (self.id(node, piece), self.key(node, piece)) else {
+            return Ok(());
+        };
+        // Whoever else is at it writes the same bytes.
+        let lock = match self.store.hold(&key)? {
+            Hold::Ours(lock) => Some(lock),
+            Hold::InThisProcess | Hold::Elsewhere => None,
+        };
+        let evicted = self.store.record(&key).is_some_and(|record| record.evicted);
+        self.store.restore(&id, file, lock.as_ref())?;
+        if damage.is_some() || !evicted {
+            self.tell(&Event::DidHeal {
+                node: self.graph.nodes[node].name(),
+                piece,
+                why: damage.unwrap_or_else(|| MISSING.to_owned()),
+            });
+        }
+        Ok(())
     }
 
     /// Makes sure that the ids an arrow needs are known, deciding upstream pieces that nobody has asked for yet.
@@ -335,7 +365,7 @@ impl<'g> Run<'g> {
             self.know_inputs(link, piece)?;
         }
         match self.decide(node, piece) {
-            Decision::WillRun(key) => self.make(node, piece, key),
+            Decision::WillRun(key) => self.make(node, piece, key, None),
             Decision::Cached | Decision::MayRun => Ok(()),
         }
     }

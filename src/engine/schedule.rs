@@ -1,18 +1,20 @@
-//! Schedule: a queue of pieces whose inputs are known, deepest first, and the workers that empty it.
+//! Schedule: the workers that empty the queue of pieces, each key made once among all threads and processes.
 //!
-//! Deepest first sends a batch of fields from its phases to its maxima before the next batch begins, so memory does
-//! not grow with the number of fields. Which worker runs what never shows in a result.
+//! A piece that another run is making is set aside for any other that is ready; only when none is left does a worker wait,
+//! look up again and reuse. Which worker runs what never shows in a result. Tested in `tests/reliability/concurrency.rs`.
 
-use std::cmp::Reverse;
-use std::collections::{BTreeMap, BinaryHeap};
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
 
-use crate::engine::arrow::Kind;
 use crate::engine::error::{Error, Result};
 use crate::engine::event::Event;
-use crate::engine::graph::Graph;
+use crate::engine::flight::Hold;
+use crate::engine::queue::{Queue, Turn};
 use crate::engine::run::{Decision, Run};
+use crate::engine::runs;
+
+/// How often the housekeeper looks around.
+const ROUND: Duration = Duration::from_millis(50);
 
 /// Runs everything in a run's graph that is not cached.
 ///
@@ -31,184 +33,75 @@ pub fn execute(run: &Run<'_>, workers: usize) -> Result<()> {
         .num_threads(workers)
         .build()
         .map_err(|why| Error::Usage(format!("-j {workers}: cannot start the workers: {why}")))?;
-    pool.broadcast(|_| {
-        while let Some((node, piece)) = queue.take() {
-            let outcome = step(run, node, piece);
-            queue.finish(run.graph, node, piece, outcome);
-        }
+    std::thread::scope(|scope| {
+        scope.spawn(|| keep_house(run, &queue));
+        pool.broadcast(|_| {
+            while let Some((node, piece)) = queue.take(run) {
+                let outcome = step(run, node, piece);
+                queue.finish(run.graph, node, piece, outcome);
+            }
+        });
+        queue.close();
     });
-    run.store.flush()?;
-    queue.verdict(run.graph)
-}
-
-fn step(run: &Run<'_>, node: usize, piece: usize) -> Result<()> {
-    match run.decide(node, piece) {
-        Decision::Cached => {
-            run.tell(&Event::DidReuse {
-                node: run.graph.nodes[node].name(),
-                piece,
-            });
-            Ok(())
-        }
-        Decision::WillRun(key) => {
-            // A stage that panics must not leave the other workers waiting for it.
-            let made = catch_unwind(AssertUnwindSafe(|| run.make(node, piece, key)));
-            let made =
-                made.unwrap_or_else(|_| Err(Error::stage("it panicked").at(&run.graph.nodes[node].piece_name(piece))));
-            if let Err(error) = &made {
-                let node = run.graph.nodes[node].name();
-                run.tell(&Event::DidFail {
-                    node,
-                    piece,
-                    message: error.to_string(),
-                });
-            }
-            made
-        }
-        Decision::MayRun => Err(Error::stage("a piece was ready before its inputs")),
+    let flushed = run.store.flush();
+    let verdict = queue.verdict(run.graph).and(flushed);
+    match verdict {
+        // What is done stays out of the reach of `gc`, whatever came of the rest.
+        Ok(()) | Err(Error::Failures(_) | Error::Interrupted) => runs::remember(run).and(verdict),
+        Err(_) => verdict,
     }
 }
 
-struct Queue {
-    state: Mutex<State>,
-    ready: Condvar,
-    /// Per node: the nodes that read it piece by piece, and those that read it whole.
-    each: Vec<Vec<usize>>,
-    whole: Vec<Vec<usize>>,
-}
-
-struct State {
-    heap: BinaryHeap<(usize, Reverse<usize>)>,
-    running: usize,
-    /// Per piece: inputs not known yet.
-    missing: Vec<Vec<usize>>,
-    /// Per node: pieces not done yet.
-    left: Vec<usize>,
-    fatal: Option<Error>,
-    failures: BTreeMap<(usize, usize), Error>,
-}
-
-impl Queue {
-    fn new(graph: &Graph) -> Self {
-        let mut each = vec![Vec::new(); graph.nodes.len()];
-        let mut whole = vec![Vec::new(); graph.nodes.len()];
-        let mut missing = Vec::new();
-        for (down, node) in graph.nodes.iter().enumerate() {
-            let mut inputs = 0;
-            for link in &node.links {
-                for up in &link.upstream {
-                    inputs += 1;
-                    if link.kind == Kind::Each {
-                        each[*up].push(down);
-                    } else {
-                        whole[*up].push(down);
-                    }
-                }
-            }
-            missing.push(vec![inputs; node.pieces.len()]);
-        }
-        let mut heap = BinaryHeap::new();
-        for (node, pieces) in missing.iter().enumerate() {
-            for (piece, inputs) in pieces.iter().enumerate() {
-                if *inputs == 0 {
-                    heap.push((node, Reverse(piece)));
-                }
-            }
-        }
-        let left = graph.nodes.iter().map(|node| node.pieces.len()).collect();
-        let state = State {
-            heap,
-            running: 0,
-            missing,
-            left,
-            fatal: None,
-            failures: BTreeMap::new(),
+/// While the workers work: publishes what has waited long enough, and ends the run when somebody asks for it.
+fn keep_house(run: &Run<'_>, queue: &Queue) {
+    while queue.is_open_after(ROUND) {
+        let asked = run.is_stopped();
+        let flushed = if asked {
+            run.store.flush()
+        } else {
+            run.store.flush_due()
         };
-        Self {
-            state: Mutex::new(state),
-            ready: Condvar::new(),
-            each,
-            whole,
+        if let Err(error) = flushed {
+            queue.fail(error);
+        } else if asked {
+            queue.fail(Error::Interrupted);
         }
-    }
-
-    fn state(&self) -> MutexGuard<'_, State> {
-        self.state.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
-    /// The deepest ready piece; waits while others may still become ready, ends when none can.
-    fn take(&self) -> Option<(usize, usize)> {
-        let mut state = self.state();
-        loop {
-            if state.fatal.is_some() {
-                return None;
-            }
-            if let Some((node, Reverse(piece))) = state.heap.pop() {
-                state.running += 1;
-                return Some((node, piece));
-            }
-            if state.running == 0 {
-                return None;
-            }
-            state = self.ready.wait(state).unwrap_or_else(PoisonError::into_inner);
-        }
-    }
-
-    fn finish(&self, graph: &Graph, node: usize, piece: usize, outcome: Result<()>) {
-        let mut state = self.state();
-        state.running -= 1;
-        match outcome {
-            Ok(()) => self.release(&mut state, graph, node, piece),
-            Err(error @ Error::Stage { .. }) => {
-                state.failures.insert((node, piece), error);
-            }
-            Err(error) => state.fatal = Some(state.fatal.take().unwrap_or(error)),
-        }
-        drop(state);
-        self.ready.notify_all();
-    }
-
-    fn release(&self, state: &mut State, graph: &Graph, node: usize, piece: usize) {
-        for down in &self.each[node] {
-            state.arrive(*down, piece);
-        }
-        state.left[node] -= 1;
-        if state.left[node] == 0 {
-            for down in &self.whole[node] {
-                for piece in 0..graph.nodes[*down].pieces.len() {
-                    state.arrive(*down, piece);
-                }
-            }
-        }
-    }
-
-    fn verdict(self, graph: &Graph) -> Result<()> {
-        let state = self.state.into_inner().unwrap_or_else(PoisonError::into_inner);
-        if let Some(error) = state.fatal {
-            return Err(error);
-        }
-        if state.failures.is_empty() {
-            return Ok(());
-        }
-        let told: Vec<String> = state.failures.values().map(ToString::to_string).collect();
-        let undone = state
-            .left
-            .iter()
-            .zip(&graph.nodes)
-            .filter(|(left, _)| **left > 0)
-            .count();
-        Err(Error::Failures(format!(
-            "{}\n{undone} nodes are not done; the others are kept",
-            told.join("\n")
-        )))
     }
 }
 
-impl State {
-    fn arrive(&mut self, node: usize, piece: usize) {
-        self.missing[node][piece] -= 1;
-        if self.missing[node][piece] == 0 {
-            self.heap.push((node, Reverse(piece)));
-        }
+fn step(run: &Run<'_>, node: usize, piece: usize) -> Result<Turn> {
+    let key = match run.decide(node, piece) {
+        Decision::Cached => return Ok(reuse(run, node, piece)),
+        Decision::WillRun(key) => key,
+        Decision::MayRun => return Err(Error::stage("a piece was ready before its inputs")),
+    };
+    let lock = match run.store.hold(&key)? {
+        Hold::Ours(lock) => lock,
+        Hold::InThisProcess => return Ok(Turn::MadeHere),
+        Hold::Elsewhere => return Ok(Turn::MadeElsewhere),
+    };
+    // Its last holder may have finished it since.
+    if matches!(run.decide(node, piece), Decision::Cached) {
+        return Ok(reuse(run, node, piece));
     }
+    // A stage that panics must not leave the other workers waiting for it.
+    let made = catch_unwind(AssertUnwindSafe(|| run.make(node, piece, key, Some(lock))));
+    let made = made.unwrap_or_else(|_| Err(Error::stage("it panicked").at(&run.graph.nodes[node].piece_name(piece))));
+    if let Err(error) = &made {
+        let node = run.graph.nodes[node].name();
+        run.tell(&Event::DidFail {
+            node,
+            piece,
+            message: error.to_string(),
+        });
+    }
+    made.map(|()| Turn::Done)
+}
+
+fn reuse(run: &Run<'_>, node: usize, piece: usize) -> Turn {
+    run.tell(&Event::DidReuse {
+        node: run.graph.nodes[node].name(),
+        piece,
+    });
+    Turn::Done
 }

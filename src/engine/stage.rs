@@ -26,7 +26,7 @@ pub trait Stage: 'static {
     /// Keys that number an item, each with the count that it must stay below.
     const ITEMS: &'static [(&'static str, &'static str)] = &[];
     /// Whether the bytes of the output stay in the store.
-    const KEEP: Keep = Keep::Always;
+    const KEEP: Keep = Keep::Auto;
     /// The parameters it reads: a struct whose fields are tables of the parameter file.
     type Params: Serialize + DeserializeOwned + Send + Sync;
     /// A tuple of arrows.
@@ -103,8 +103,10 @@ pub enum Select {
 /// Whether the bytes of an artifact stay in the store.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Keep {
-    /// Written and kept.
+    /// Written and kept, whatever the room.
     Always,
+    /// Written; `gc` may take the bytes when room is short, and they are made again when needed.
+    Auto,
     /// Hashed and recorded, handed to readers in memory, made again when needed.
     Evict,
 }

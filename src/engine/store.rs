@@ -1,17 +1,20 @@
 //! Store: id -> bytes and key -> record, on disk. Only a verified read hands out bytes; only a rename publishes.
 //!
 //! An object without a record is garbage, never a lie; a record whose object is gone or torn is a miss. Synchronising a
-//! file costs milliseconds, so cheap pieces share theirs: their records wait for at most 64 pieces or half a second.
+//! file costs milliseconds, so cheap pieces share theirs: their records, and the locks on their keys, wait for at most 64
+//! pieces or half a second. Who writes or reads holds `store.lock` shared, who collects garbage holds it alone.
 
 use std::collections::BTreeSet;
-use std::fs::{self, File};
-use std::io::Write;
+use std::fs::{File, TryLockError};
+use std::hash::{BuildHasher, RandomState};
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
+use crate::engine::disk::{Disk, System};
 use crate::engine::error::{Error, Result};
+use crate::engine::flight::{Flight, Hold, KeyLock};
 use crate::engine::id::{Id, Key};
 use crate::engine::object;
 use crate::engine::record::Record;
@@ -19,12 +22,22 @@ use crate::engine::record::Record;
 const SHARED_PIECES: usize = 64;
 const SHARED_WAIT: Duration = Duration::from_millis(500);
 const ALONE_SECONDS: f64 = 0.2;
+/// How often a lock on the whole store is asked for again.
+const PATIENCE: Duration = Duration::from_millis(50);
 
 /// The folder of objects and records.
 pub struct Store {
     root: PathBuf,
+    disk: Arc<dyn Disk>,
+    flight: Flight,
     pending: Mutex<Vec<Pending>>,
     temporaries: AtomicU64,
+    /// Tells the temporary files of this process from those of any other, on this machine or another.
+    tag: u64,
+    /// Whether a folder of objects or records is new, its entry not synchronised.
+    grown: AtomicBool,
+    /// Held while this lives; none where there is no store yet, or a file system without locks.
+    _shared: Option<File>,
 }
 
 struct Pending {
@@ -32,6 +45,8 @@ struct Pending {
     record: PathBuf,
     text: String,
     since: Instant,
+    /// Whoever else wants the key waits until the record can be read.
+    lock: Option<KeyLock>,
 }
 
 /// What a verified read found.
@@ -50,19 +65,52 @@ impl Store {
     /// # Errors
     /// A folder that cannot be made.
     pub fn open(root: &Path) -> Result<Self> {
-        for folder in ["objects", "records", "tmp", "quarantine"] {
+        Self::open_on(root, Arc::new(System), &|| ())
+    }
+
+    /// The same on another disk; `waiting` is called once if garbage is being collected, which is waited for.
+    ///
+    /// # Errors
+    /// A folder that cannot be made.
+    pub fn open_on(root: &Path, disk: Arc<dyn Disk>, waiting: &dyn Fn()) -> Result<Self> {
+        for folder in ["objects", "records", "locks", "tmp", "quarantine"] {
             let path = root.join(folder);
-            fs::create_dir_all(&path).map_err(Error::io("make the store's folder", path))?;
+            disk.make_folder(&path)
+                .map_err(Error::writing("make the store's folder", path, 0))?;
         }
-        Ok(Self::look(root))
+        let path = root.join("store.lock");
+        let file = disk.open_lock(&path, false);
+        let file = file.map_err(Error::writing("make the store's lock", path, 0))?;
+        Ok(Self::with(root, disk, Some(file), waiting))
     }
 
     /// Looks at a store without making anything; one that is not there is empty.
     pub fn look(root: &Path) -> Self {
+        Self::look_on(root, Arc::new(System), &|| ())
+    }
+
+    /// The same on another disk; `waiting` is called once if garbage is being collected, which is waited for.
+    pub fn look_on(root: &Path, disk: Arc<dyn Disk>, waiting: &dyn Fn()) -> Self {
+        let file = disk.open_lock(&root.join("store.lock"), true).ok();
+        Self::with(root, disk, file, waiting)
+    }
+
+    /// A store that takes no lock on the whole, for who holds it alone.
+    pub(crate) fn unlocked(root: &Path) -> Self {
+        Self::with(root, Arc::new(System), None, &|| ())
+    }
+
+    fn with(root: &Path, disk: Arc<dyn Disk>, lock: Option<File>, waiting: &dyn Fn()) -> Self {
+        let shared = lock.as_ref().map(|file| wait_for(disk.as_ref(), file, false, waiting));
         Self {
             root: root.to_owned(),
-            pending: Mutex::new(Vec::new()),
+            flight: Flight::new(root.join("locks"), Arc::clone(&disk), shared == Some(false)),
+            disk,
+            pending: Mutex::default(),
             temporaries: AtomicU64::new(0),
+            tag: RandomState::new().hash_one(std::process::id()),
+            grown: AtomicBool::new(true),
+            _shared: lock,
         }
     }
 
@@ -71,11 +119,21 @@ impl Store {
         &self.root
     }
 
+    /// Whether the file system refused a lock: two runs at once may then make the same thing twice.
+    pub fn is_without_locks(&self) -> bool {
+        self.flight.is_without_locks()
+    }
+
+    /// Takes a key, if nobody else is making it.
+    pub(crate) fn hold(&self, key: &Key) -> Result<Hold> {
+        self.flight.hold(key)
+    }
+
     /// The record of a key, if there is an undamaged one.
     pub fn record(&self, key: &Key) -> Option<Record> {
         let path = self.path("records", &key.to_string(), ".json");
-        let waiting = self.waiting(&path);
-        let text = waiting.or_else(|| fs::read_to_string(&path).ok())?;
+        let read = || String::from_utf8(self.disk.read(&path).ok()?).ok();
+        let text = self.waiting(&path).or_else(read)?;
         let record = Record::parse(&text)?;
         (record.key == key.to_string()).then_some(record)
     }
@@ -95,30 +153,36 @@ impl Store {
     /// Reads and verifies an object.
     pub(crate) fn read(&self, id: &Id, schema: Option<u64>) -> Found {
         let path = self.path("objects", &id.to_string(), "");
-        let Ok(file) = fs::read(&path) else {
+        let Ok(file) = self.disk.read(&path) else {
             return Found::Missing;
         };
         match object::open(id, schema, &file) {
             Ok(payload) => Found::Bytes(payload),
             Err(why) => {
                 // A move that fails leaves the damaged file to be overwritten by the healed one.
-                let _ = fs::rename(&path, self.root.join("quarantine").join(id.to_string()));
+                let _ = self
+                    .disk
+                    .rename(&path, &self.root.join("quarantine").join(id.to_string()));
                 Found::Damaged(why)
             }
         }
     }
 
-    /// Publishes an output: the object first, the record last, both synchronised before they count.
+    /// Publishes an output: the object first, the record last, both synchronised before they count. The lock on its key
+    /// is let go of when they do.
     ///
     /// # Errors
     /// A write that fails; nothing half-written is left.
-    pub(crate) fn publish(&self, schema: u64, payload: &[u8], record: &Record) -> Result<()> {
+    pub(crate) fn publish(&self, schema: u64, payload: &[u8], record: &Record, lock: Option<KeyLock>) -> Result<()> {
         let (id, file) = object::seal(schema, payload);
         let object = if record.evicted {
             None
         } else {
             let path = self.path("objects", &id.to_string(), "");
-            self.write(&path, &file, false)?;
+            // Equal bytes under another key: what a record may already rest on is not torn open again.
+            if !self.disk.read(&path).is_ok_and(|old| old == file) {
+                self.put(lock.as_ref(), &path, &file, false)?;
+            }
             Some(path)
         };
         let pending = Pending {
@@ -126,19 +190,32 @@ impl Store {
             record: self.path("records", &record.key, ".json"),
             text: record.text(),
             since: Instant::now(),
+            lock,
         };
-        let due = {
-            let mut queue = self.pending();
-            queue.push(pending);
-            let oldest = queue[0].since.elapsed();
-            record.seconds >= ALONE_SECONDS || queue.len() >= SHARED_PIECES || oldest >= SHARED_WAIT
-        };
-        if due { self.flush() } else { Ok(()) }
+        self.pending().push(pending);
+        if record.seconds >= ALONE_SECONDS || self.is_due() {
+            self.flush()
+        } else {
+            Ok(())
+        }
+    }
+
+    fn is_due(&self) -> bool {
+        let queue = self.pending();
+        queue.len() >= SHARED_PIECES || queue.first().is_some_and(|first| first.since.elapsed() >= SHARED_WAIT)
     }
 
     /// Puts back the file of an object that was lost or damaged.
-    pub(crate) fn restore(&self, id: &Id, file: &[u8]) -> Result<()> {
-        self.write(&self.path("objects", &id.to_string(), ""), file, true)
+    pub(crate) fn restore(&self, id: &Id, file: &[u8], lock: Option<&KeyLock>) -> Result<()> {
+        self.put(lock, &self.path("objects", &id.to_string(), ""), file, true)
+    }
+
+    /// Synchronises what waits, if any of it has waited long enough.
+    ///
+    /// # Errors
+    /// A write or synchronisation that fails.
+    pub(crate) fn flush_due(&self) -> Result<()> {
+        if self.is_due() { self.flush() } else { Ok(()) }
     }
 
     /// Synchronises what waits and writes its records.
@@ -147,37 +224,70 @@ impl Store {
     /// A write or synchronisation that fails.
     pub fn flush(&self) -> Result<()> {
         let waiting = std::mem::take(&mut *self.pending());
-        let mut folders = BTreeSet::new();
-        for path in waiting.iter().filter_map(|pending| pending.object.as_ref()) {
-            synchronise(path)?;
-            folders.extend(path.parent().map(Path::to_owned));
+        if waiting.is_empty() {
+            return Ok(());
         }
-        for folder in std::mem::take(&mut folders) {
-            synchronise(&folder)?;
+        let objects: BTreeSet<&Path> = waiting.iter().filter_map(|pending| pending.object.as_deref()).collect();
+        for path in &objects {
+            self.synchronise(path)?;
+        }
+        for folder in folders(objects.iter().copied()) {
+            self.synchronise(folder)?;
         }
         for pending in &waiting {
-            self.write(&pending.record, pending.text.as_bytes(), true)?;
-            folders.extend(pending.record.parent().map(Path::to_owned));
+            self.put(pending.lock.as_ref(), &pending.record, pending.text.as_bytes(), true)?;
         }
-        for folder in folders {
-            synchronise(&folder)?;
+        for folder in folders(waiting.iter().map(|pending| pending.record.as_path())) {
+            self.synchronise(folder)?;
+        }
+        if self.grown.swap(false, Ordering::Relaxed) {
+            self.synchronise(&self.root.join("objects"))?;
+            self.synchronise(&self.root.join("records"))?;
         }
         Ok(())
     }
 
     /// Writes a file by way of a temporary one and a rename.
     pub(crate) fn write(&self, path: &Path, bytes: &[u8], durable: bool) -> Result<()> {
+        self.put(None, path, bytes, durable)
+    }
+
+    /// The temporary file of a locked key is its holder's: what a killed one left is overwritten by the next.
+    fn put(&self, lock: Option<&KeyLock>, path: &Path, bytes: &[u8], durable: bool) -> Result<()> {
         let folder = path.parent().expect("a file of the store lies in a folder");
-        fs::create_dir_all(folder).map_err(Error::io("make the folder", folder))?;
-        let number = self.temporaries.fetch_add(1, Ordering::Relaxed);
-        let temporary = self.root.join("tmp").join(format!("{}-{number}", std::process::id()));
-        let result = write_all(&temporary, bytes, durable)
-            .and_then(|()| fs::rename(&temporary, path).map_err(Error::io("rename into place", path)));
+        if !folder.is_dir() {
+            let made = self.disk.make_folder(folder);
+            made.map_err(Error::writing("make the folder", folder, 0))?;
+            self.grown.store(true, Ordering::Relaxed);
+        }
+        let name = match lock.filter(|lock| lock.is_exclusive()) {
+            Some(lock) => lock.key().to_string(),
+            None => format!("{:016x}-{}", self.tag, self.temporaries.fetch_add(1, Ordering::Relaxed)),
+        };
+        let temporary = self.root.join("tmp").join(name);
+        let result = self.put_by(&temporary, path, bytes, durable);
         if result.is_err() {
             // The error to report is the first one.
-            let _ = fs::remove_file(&temporary);
+            let _ = self.disk.remove(&temporary);
         }
         result
+    }
+
+    fn put_by(&self, temporary: &Path, path: &Path, bytes: &[u8], durable: bool) -> Result<()> {
+        let length = bytes.len() as u64;
+        let written = self.disk.write(temporary, bytes);
+        written.map_err(Error::writing("write", path, length))?;
+        if durable {
+            let synchronised = self.disk.synchronise(temporary);
+            synchronised.map_err(Error::writing("synchronise", path, length))?;
+        }
+        let renamed = self.disk.rename(temporary, path);
+        renamed.map_err(Error::writing("rename into place", path, length))
+    }
+
+    fn synchronise(&self, path: &Path) -> Result<()> {
+        let result = self.disk.synchronise(path);
+        result.map_err(Error::writing("synchronise", path, 0))
     }
 
     fn pending(&self) -> MutexGuard<'_, Vec<Pending>> {
@@ -192,16 +302,24 @@ impl Store {
     }
 }
 
-fn write_all(path: &Path, bytes: &[u8], durable: bool) -> Result<()> {
-    let mut file = File::create(path).map_err(Error::io("write", path))?;
-    file.write_all(bytes).map_err(Error::io("write", path))?;
-    if durable {
-        file.sync_all().map_err(Error::io("synchronise", path))?;
-    }
-    Ok(())
+fn folders<'p>(files: impl Iterator<Item = &'p Path>) -> BTreeSet<&'p Path> {
+    files.filter_map(Path::parent).collect()
 }
 
-fn synchronise(path: &Path) -> Result<()> {
-    let file = File::open(path).map_err(Error::io("open", path))?;
-    file.sync_all().map_err(Error::io("synchronise", path))
+/// Waits for a lock on the whole store; false where the file system has none.
+pub(crate) fn wait_for(disk: &dyn Disk, file: &File, exclusive: bool, waiting: &dyn Fn()) -> bool {
+    let mut told = false;
+    loop {
+        match disk.try_lock(file, exclusive) {
+            Ok(()) => return true,
+            Err(TryLockError::Error(_)) => return false,
+            Err(TryLockError::WouldBlock) => {
+                if !told {
+                    waiting();
+                    told = true;
+                }
+                std::thread::sleep(PATIENCE);
+            }
+        }
+    }
 }

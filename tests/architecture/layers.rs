@@ -39,10 +39,11 @@ const WORDS: [&str; 17] = [
 ];
 
 /// Outside crate -> the one layer that may name it.
-const OWNED: [(&str, &str); 8] = [
+const OWNED: [(&str, &str); 9] = [
     ("bincode", "engine"),
     ("clap", "cli"),
     ("colorous", "plot"),
+    ("ctrlc", "cli"),
     ("indicatif", "cli"),
     ("plotters", "plot"),
     ("pxfm", "numerics"),

@@ -3,6 +3,7 @@
 mod cases;
 mod chart;
 mod difference;
+mod gc;
 mod hits;
 mod locks;
 mod params;

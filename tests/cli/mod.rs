@@ -5,6 +5,6 @@ mod exits;
 mod graph;
 mod ranges;
 mod refusals;
-mod verbs;
+pub(crate) mod verbs;
 mod verify;
 mod why;

@@ -268,7 +268,7 @@ fn verifies(program: &Program, figures: &Path) {
 }
 
 /// What makes a run cheap: one sea and one ship.
-pub(super) const SMALL: [&str; 4] = ["--set", "run.seas=[\"S1\"]", "--set", "run.ships=[\"calibrated\"]"];
+pub(crate) const SMALL: [&str; 4] = ["--set", "run.seas=[\"S1\"]", "--set", "run.ships=[\"calibrated\"]"];
 
 #[test]
 fn a_what_if_writes_to_the_custom_folder_and_no_lock() {

@@ -4,8 +4,10 @@ pub(crate) mod program;
 pub(crate) mod records;
 pub(crate) mod toy;
 
+use encounter::engine::disk::{Disk, System};
 use encounter::engine::error::Error;
 use encounter::engine::event::Event;
+use encounter::engine::gc::{self, Alone, Sweep};
 use encounter::engine::graph::{Graph, NodeCase, Target};
 use encounter::engine::id::{Id, Key};
 use encounter::engine::lock::Lock;
@@ -20,7 +22,7 @@ use encounter::engine::{publish, rebuild, schedule, verify};
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::sync::Mutex;
+use std::sync::{Arc, Mutex};
 use tempfile::TempDir;
 use toy::{SCALE, TOY};
 
@@ -66,7 +68,10 @@ shift = 0
 
 /// A store, a figures folder and the parameters in force.
 pub(crate) struct House {
-    folder: TempDir,
+    root: PathBuf,
+    /// None in a process that another one gave the folder.
+    _folder: Option<TempDir>,
+    pub(crate) disk: Arc<dyn Disk>,
     pub(crate) pipeline: Pipeline,
     pub(crate) text: String,
     pub(crate) edits: Vec<String>,
@@ -85,8 +90,20 @@ pub(crate) struct Done {
 
 impl House {
     pub(crate) fn new() -> Self {
+        let folder = tempfile::tempdir().expect("a temporary folder can be made");
+        Self::with(folder.path().to_owned(), Some(folder))
+    }
+
+    /// A house in a folder that is there already.
+    pub(crate) fn at(root: &Path) -> Self {
+        Self::with(root.to_owned(), None)
+    }
+
+    fn with(root: PathBuf, own: Option<TempDir>) -> Self {
         Self {
-            folder: tempfile::tempdir().expect("a temporary folder can be made"),
+            root,
+            _folder: own,
+            disk: Arc::new(System),
             pipeline: TOY,
             text: PARAMS.to_owned(),
             edits: Vec::new(),
@@ -110,7 +127,7 @@ impl House {
     }
 
     pub(crate) fn path(&self, name: &str) -> PathBuf {
-        self.folder.path().join(name)
+        self.root.join(name)
     }
 
     pub(crate) fn params(&self) -> Result<ParamsFile, Error> {
@@ -134,7 +151,21 @@ impl House {
     }
 
     pub(crate) fn store(&self) -> Store {
-        Store::open(&self.path("store")).expect("a store can be opened")
+        self.open().expect("a store can be opened")
+    }
+
+    fn open(&self) -> Result<Store, Error> {
+        Store::open_on(&self.path("store"), Arc::clone(&self.disk), &|| ())
+    }
+
+    /// What `gc` would take to come within a size; takes it, unless the run is dry.
+    pub(crate) fn gc(&self, bound: u64, dry: bool) -> Result<Sweep, Error> {
+        let root = self.path("store");
+        let sweep = gc::plan(&root, &self.pipeline, &[], bound)?;
+        if !dry {
+            gc::carry_out(&Alone::wait(&root, &|| ())?, &root, &sweep)?;
+        }
+        Ok(sweep)
     }
 
     pub(crate) fn run(&self) -> Done {
@@ -161,12 +192,17 @@ impl House {
 
     fn walk(&self, targets: &[&str], then: impl Fn(&Run<'_>)) -> Done {
         let graph = self.graph(targets).expect("the parameters are in order");
-        let store = self.store();
+        let store = match self.open() {
+            Ok(store) => store,
+            Err(error) => return Done::refused(error),
+        };
         let events = Mutex::new(Vec::new());
         let listener = |event: &Event| events.lock().expect("no panic").push(event.clone());
         let run = Run::new(&graph, &store, &listener);
         let mut lock = None;
-        let scales = self.params().and_then(|params| params.list(SCALE)).unwrap_or_default();
+        let scales = self.params().and_then(|params| params.list(SCALE));
+        // A pipeline without scales publishes once.
+        let scales = scales.unwrap_or_else(|_| vec![String::new()]);
         let outcome = schedule::execute(&run, self.workers).and_then(|()| {
             let texts = publish::texts(&run, SCALE, &scales)?;
             publish::publish(&run, &texts, &self.path("figures"))?;
@@ -293,6 +329,16 @@ fn collect(folder: &Path, files: &mut Vec<PathBuf>) {
 }
 
 impl Done {
+    /// A run whose store could not be opened.
+    fn refused(error: Error) -> Self {
+        Self {
+            events: Vec::new(),
+            outcome: Err(error),
+            known: BTreeMap::new(),
+            lock: None,
+        }
+    }
+
     #[track_caller]
     pub(crate) fn expect_success(&self) {
         if let Err(error) = &self.outcome {
@@ -340,6 +386,22 @@ impl Done {
     pub(crate) fn failed(&self) -> Vec<String> {
         self.told(|event| match event {
             Event::DidFail { node, piece, .. } => Some(format!("{node}/{piece}")),
+            _ => None,
+        })
+    }
+
+    /// The pieces that another run was making, sorted.
+    pub(crate) fn waited(&self) -> Vec<String> {
+        self.told(|event| match event {
+            Event::DidWait { node, piece } => Some(format!("{node}/{piece}")),
+            _ => None,
+        })
+    }
+
+    /// The published files that were moved aside, sorted.
+    pub(crate) fn set_aside(&self) -> Vec<String> {
+        self.told(|event| match event {
+            Event::DidSetAside { path, .. } => Some(path.clone()),
             _ => None,
         })
     }

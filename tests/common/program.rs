@@ -4,12 +4,13 @@ use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::Command;
+use std::process::{Child, Command, Stdio};
 use tempfile::TempDir;
 
 /// A folder for a store, figures and overlays, and the options that every call gets.
 pub(crate) struct Program {
-    folder: TempDir,
+    folder: PathBuf,
+    _own: Option<TempDir>,
     pub(crate) profile: &'static str,
 }
 
@@ -23,11 +24,24 @@ pub(crate) struct Said {
 impl Program {
     pub(crate) fn new(profile: &'static str) -> Self {
         let folder = tempfile::tempdir().expect("a temporary folder can be made");
-        Self { folder, profile }
+        let path = folder.path().to_owned();
+        Self {
+            _own: Some(folder),
+            ..Self::in_folder(profile, &path)
+        }
+    }
+
+    /// The same in a folder that is there already.
+    pub(crate) fn in_folder(profile: &'static str, folder: &Path) -> Self {
+        Self {
+            folder: folder.to_owned(),
+            _own: None,
+            profile,
+        }
     }
 
     pub(crate) fn path(&self, name: &str) -> PathBuf {
-        self.folder.path().join(name)
+        self.folder.join(name)
     }
 
     /// Writes a file beside the store; gives its path.
@@ -39,18 +53,27 @@ impl Program {
 
     /// Calls a verb with its arguments, in this store and with this profile.
     pub(crate) fn call(&self, arguments: &[&str]) -> Said {
-        let output = Command::new(env!("CARGO_BIN_EXE_encounter"))
-            .current_dir(Path::new(env!("CARGO_MANIFEST_DIR")))
-            .args(arguments)
-            .args(["--profile", self.profile, "--store"])
-            .arg(self.path("store"))
-            .output()
-            .expect("the binary runs");
+        let output = self.command(arguments).output().expect("the binary runs");
         Said {
             code: output.status.code().expect("the process is not killed"),
             stdout: String::from_utf8(output.stdout).expect("the answer is text"),
             stderr: String::from_utf8(output.stderr).expect("errors are text"),
         }
+    }
+
+    /// Starts a verb with its arguments.
+    pub(crate) fn start(&self, arguments: &[&str]) -> Child {
+        let mut command = self.command(arguments);
+        let piped = command.stdout(Stdio::piped()).stderr(Stdio::piped());
+        piped.spawn().expect("the binary runs")
+    }
+
+    fn command(&self, arguments: &[&str]) -> Command {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_encounter"));
+        command.current_dir(Path::new(env!("CARGO_MANIFEST_DIR")));
+        command.args(arguments).args(["--profile", self.profile, "--store"]);
+        command.arg(self.path("store"));
+        command
     }
 
     /// Calls a verb with `--json`, which must succeed.

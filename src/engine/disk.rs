@@ -1,0 +1,101 @@
+//! Disk: the few file operations that the store is made of, behind a trait, so that a test can let any of them fail, count
+//! them, or take a file system's locks away. Tested in `tests/reliability`.
+
+use std::fs::{self, File, OpenOptions, TryLockError};
+use std::io;
+use std::path::Path;
+
+/// The file operations of the store.
+pub trait Disk: Send + Sync {
+    /// All bytes of a file.
+    ///
+    /// # Errors
+    /// The operating system's.
+    fn read(&self, path: &Path) -> io::Result<Vec<u8>>;
+
+    /// Makes a file, or empties the one that is there, and writes all its bytes.
+    ///
+    /// # Errors
+    /// The operating system's; part of the bytes may have been written.
+    fn write(&self, path: &Path, bytes: &[u8]) -> io::Result<()>;
+
+    /// Returns when the content of a file, or the entries of a folder, would survive a power cut.
+    ///
+    /// # Errors
+    /// The operating system's.
+    fn synchronise(&self, path: &Path) -> io::Result<()>;
+
+    /// Moves a file over another, at once.
+    ///
+    /// # Errors
+    /// The operating system's.
+    fn rename(&self, from: &Path, to: &Path) -> io::Result<()>;
+
+    /// Makes a folder and those above it.
+    ///
+    /// # Errors
+    /// The operating system's.
+    fn make_folder(&self, path: &Path) -> io::Result<()>;
+
+    /// Removes a file.
+    ///
+    /// # Errors
+    /// The operating system's.
+    fn remove(&self, path: &Path) -> io::Result<()>;
+
+    /// Opens a file to be locked; makes it unless `existing`, which needs no right to write.
+    ///
+    /// # Errors
+    /// The operating system's.
+    fn open_lock(&self, path: &Path, existing: bool) -> io::Result<File>;
+
+    /// Locks an open file if nobody is in the way; the kernel frees the lock when the file is closed or its holder dies.
+    ///
+    /// # Errors
+    /// Somebody is in the way, or the file system has no locks.
+    fn try_lock(&self, file: &File, exclusive: bool) -> Result<(), TryLockError>;
+}
+
+/// The operating system's own.
+pub struct System;
+
+impl Disk for System {
+    fn read(&self, path: &Path) -> io::Result<Vec<u8>> {
+        fs::read(path)
+    }
+
+    fn write(&self, path: &Path, bytes: &[u8]) -> io::Result<()> {
+        fs::write(path, bytes)
+    }
+
+    fn synchronise(&self, path: &Path) -> io::Result<()> {
+        File::open(path)?.sync_all()
+    }
+
+    fn rename(&self, from: &Path, to: &Path) -> io::Result<()> {
+        fs::rename(from, to)
+    }
+
+    fn make_folder(&self, path: &Path) -> io::Result<()> {
+        fs::create_dir_all(path)
+    }
+
+    fn remove(&self, path: &Path) -> io::Result<()> {
+        fs::remove_file(path)
+    }
+
+    fn open_lock(&self, path: &Path, existing: bool) -> io::Result<File> {
+        if existing {
+            return File::open(path);
+        }
+        OpenOptions::new().write(true).create(true).truncate(false).open(path)
+    }
+
+    fn try_lock(&self, file: &File, exclusive: bool) -> Result<(), TryLockError> {
+        if exclusive {
+            file.try_lock()
+        } else {
+            file.try_lock_shared()
+        }
+    }
+}

@@ -1,0 +1,106 @@
+//! Flight: who makes what, so that each key is made once. Within a process a set of keys says so, between processes a
+//! lock that the kernel holds on `locks/KEY` and frees when its holder dies: there is nothing to unlock after a crash.
+//!
+//! A lock is never what correctness rests on. Where a file system has none, two runs may make the same thing twice; what
+//! they publish is whole either way, since a rename publishes.
+
+use std::collections::BTreeSet;
+use std::fs::{File, TryLockError};
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+use crate::engine::disk::Disk;
+use crate::engine::error::{Error, Result};
+use crate::engine::id::Key;
+
+/// The keys that are being made.
+pub(crate) struct Flight {
+    folder: PathBuf,
+    disk: Arc<dyn Disk>,
+    held: Arc<Held>,
+    without_locks: AtomicBool,
+}
+
+#[derive(Default)]
+struct Held(Mutex<BTreeSet<Key>>);
+
+/// Whether a key is ours to make.
+pub(crate) enum Hold {
+    /// Nobody else makes it while this is held.
+    Ours(KeyLock),
+    /// Another worker of this process makes it.
+    InThisProcess,
+    /// Another process makes it.
+    Elsewhere,
+}
+
+/// A key that is ours to make, until dropped.
+pub(crate) struct KeyLock {
+    key: Key,
+    /// None where the file system has no locks.
+    file: Option<File>,
+    held: Arc<Held>,
+}
+
+impl Flight {
+    pub(crate) fn new(folder: PathBuf, disk: Arc<dyn Disk>, without_locks: bool) -> Self {
+        Self {
+            folder,
+            disk,
+            held: Arc::default(),
+            without_locks: AtomicBool::new(without_locks),
+        }
+    }
+
+    /// Whether a lock was asked for that the file system could not give.
+    pub(crate) fn is_without_locks(&self) -> bool {
+        self.without_locks.load(Ordering::Relaxed)
+    }
+
+    /// Takes a key, if nobody else has it; never waits.
+    pub(crate) fn hold(&self, key: &Key) -> Result<Hold> {
+        if !self.held.keys().insert(*key) {
+            return Ok(Hold::InThisProcess);
+        }
+        let mut lock = KeyLock {
+            key: *key,
+            file: None,
+            held: Arc::clone(&self.held),
+        };
+        let path = self.folder.join(key.to_string());
+        let file = self.disk.open_lock(&path, false);
+        let file = file.map_err(Error::writing("make the lock", &path, 0))?;
+        match self.disk.try_lock(&file, true) {
+            Ok(()) => lock.file = Some(file),
+            Err(TryLockError::WouldBlock) => return Ok(Hold::Elsewhere),
+            Err(TryLockError::Error(_)) => self.without_locks.store(true, Ordering::Relaxed),
+        }
+        Ok(Hold::Ours(lock))
+    }
+}
+
+impl Held {
+    fn keys(&self) -> MutexGuard<'_, BTreeSet<Key>> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl KeyLock {
+    /// Whether the kernel keeps other processes out.
+    pub(crate) fn is_exclusive(&self) -> bool {
+        self.file.is_some()
+    }
+
+    pub(crate) fn key(&self) -> &Key {
+        &self.key
+    }
+}
+
+impl Drop for KeyLock {
+    fn drop(&mut self) {
+        // The file first: who finds the key free in this process may take it for another's otherwise.
+        self.file.take();
+        self.held.keys().remove(&self.key);
+    }
+}
