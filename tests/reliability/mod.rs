@@ -6,6 +6,7 @@ mod concurrency;
 mod edits;
 mod faults;
 mod kill;
+mod model;
 mod mutants;
 mod rot;
 
