@@ -7,6 +7,7 @@ mod edits;
 mod faults;
 mod kill;
 mod mutants;
+mod order;
 mod rot;
 
 use crate::common::House;
