@@ -7,6 +7,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
 use std::fs;
+use std::hash::{BuildHasher, RandomState};
 use std::path::{Path, PathBuf};
 
 use crate::engine::case::Axis;
@@ -200,7 +201,9 @@ pub fn write(path: &Path, text: &str) -> Result<()> {
     let folder = path.parent().expect("a published file lies in a folder");
     fs::create_dir_all(folder).map_err(Error::writing("make the folder", folder, 0))?;
     let extension = path.extension().unwrap_or_default().display();
-    let temporary = path.with_extension(format!("{extension}.{}.tmp", std::process::id()));
+    // Whoever else writes it, in this process or another, has a temporary file of their own.
+    let tag = RandomState::new().hash_one(path);
+    let temporary = path.with_extension(format!("{extension}.{tag:016x}.tmp"));
     let written = System.write(&temporary, text.as_bytes());
     let whole = written.and_then(|()| System.synchronise(&temporary));
     let result = whole.and_then(|()| System.rename(&temporary, path));

@@ -226,7 +226,7 @@ fn a_rebuild_names_the_first_node_that_changed_and_its_first_value() {
     house.set("base.a.offset=3");
     let rebuilt = house.rebuild(&[], &lock).expect("a rebuild succeeds");
     let first = rebuilt.first.clone().expect("squares differ");
-    assert_eq!(first.node, "squares/a");
+    assert_eq!(first.node, "squares/a/0", "its manifest leads to the old pieces");
     assert!(first.reproducible);
     assert!(first.verdict.contains("it came out the same"), "{}", first.verdict);
     // The other base has another recipe too, but the same squares; totals and reports follow.

