@@ -32,7 +32,7 @@ verify() {
     start=$(date +%s.%N)
     if [ "$level" != - ]; then export ENCOUNTER_LEVEL=$level; fi
     if "$@" verify --rebuild --profile tiny -j "$threads" >"$log" 2>&1; then
-        result="$(tail -n 1 "$log" | sed 's/^.*: //')"
+        result="$(tail -n 1 "$log" | sed 's/^.*: //; s/ made from nothing in [^,]*//')"
     else
         result="DIFFERS"
         failed=$((failed + 1))
