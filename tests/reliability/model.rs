@@ -70,7 +70,8 @@ impl State {
             2 => self.span = [1, 2, 1000][pick(3) as usize],
             3 => self.label = pick(3),
             4 => {
-                self.bases = [vec!["a", "b"], vec!["b"], vec!["b", "a", "c"], vec!["b", "c"]][pick(4) as usize].clone()
+                let choices: [&[&'static str]; 4] = [&["a", "b"], &["b"], &["b", "a", "c"], &["b", "c"]];
+                self.bases = choices[pick(4) as usize].to_vec();
             }
             5 => self.offsets[pick(3) as usize] = pick(3),
             6 => self.modulo = [1, 2, 1_000_000_007][pick(3) as usize],
@@ -79,7 +80,7 @@ impl State {
                 self.rows.insert(BASES[pick(3) as usize], 10 * pick(3));
             }
             9 => self.pinned.1 = pick(5),
-            10 => self.scales = [vec!["small", "large"], vec!["large"]][pick(2) as usize].clone(),
+            10 => self.scales = SCALES[pick(2) as usize..].to_vec(),
             11 => self.factors[pick(2) as usize] = pick(3),
             12 => self.aside = pick(3),
             _ => self.shift = pick(3),
@@ -150,7 +151,11 @@ impl State {
                 known[&format!("numbers/{piece}")].1
             ),
             "total" => format!("{} {:?}", self.modulo, whole(&format!("squares/{case}"))),
-            "draws" => format!("{piece} {case} {} {:?}", self.rows[case], whole(&format!("total/{case}"))),
+            "draws" => format!(
+                "{piece} {case} {} {:?}",
+                self.rows[case],
+                whole(&format!("total/{case}"))
+            ),
             "pinned" => format!("{:?} {:?}", self.pinned, whole(&format!("total/{case}"))),
             "report" => {
                 let of_bases = |stage: &str| {
