@@ -54,9 +54,15 @@ fn size(text: &str) -> std::result::Result<u64, String> {
 /// A damaged lock, or a file that cannot be removed.
 pub fn gc(args: &GcArgs) -> Result<()> {
     let root = args.common.store_folder()?;
-    if !root.is_dir() {
+    if !root.exists() {
         tell(args, &Sweep::default());
         return Ok(());
+    }
+    if !["objects", "records"].iter().all(|folder| root.join(folder).is_dir()) {
+        return Err(Error::Usage(format!(
+            "--store {}: expected a store, with the folders objects and records; nothing was removed",
+            root.display()
+        )));
     }
     if args.dry_run {
         tell(args, &plan(&root, &PIPELINE, &committed(&root), args.max)?);
@@ -138,7 +144,7 @@ fn read_refs(root: &Path) -> Option<Vec<String>> {
     let prefix = git(root, &["rev-parse", "--show-prefix"])?;
     let refs = git(root, &["for-each-ref", "--format=%(objectname)"])?;
     let revisions: BTreeSet<&str> = refs.lines().chain(["HEAD"]).collect();
-    let mut names: BTreeSet<String> = locks_in(root).into_iter().map(|(name, _)| name).collect();
+    let mut names: BTreeSet<String> = locks_in(root).ok()?.into_iter().map(|(name, _)| name).collect();
     names.extend(["paper", "quick", "tiny"].map(|profile| format!("{profile}.lock")));
     let mut questions = String::new();
     for revision in revisions {

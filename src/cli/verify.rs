@@ -26,7 +26,7 @@ use crate::engine::rebuild::{Against, Rebuilt, compare};
 use crate::engine::run::Run;
 use crate::engine::schedule;
 use crate::engine::store::Store;
-use crate::engine::verify::{against_lock, against_store, toolchains};
+use crate::engine::verify::{against_lock, against_store, omissions, toolchains};
 use crate::stages::axes::SHIP;
 
 /// What the exit code says, and how to read a difference.
@@ -124,6 +124,12 @@ fn verify_lock(args: &VerifyArgs, session: &Session) -> Result<()> {
 fn compare_lock(args: &VerifyArgs, session: &Session, lock: &Lock) -> Vec<String> {
     // Published files of a small profile live in its store, which may not be there; only the paper's are committed. What
     // other parameters would publish is in no lock.
+    let omitted = if args.common.is_custom() {
+        Vec::new()
+    } else {
+        let layout = publish::layout(&session.graph, SHIP, &session.ships);
+        omissions(&session.graph, lock, args.common.profile.name(), &layout)
+    };
     let mut lock = lock.clone();
     let is_kept = session.figures.is_dir() || args.common.profile.name() == "paper";
     if !is_kept || args.common.is_custom() {
@@ -132,7 +138,8 @@ fn compare_lock(args: &VerifyArgs, session: &Session, lock: &Lock) -> Vec<String
     let store = session.look_at_store();
     let silent = |_: &_| {};
     let run = Run::new(&session.graph, &store, &silent);
-    against_lock(&run, &session.graph, &lock, &session.figures)
+    let differences = against_lock(&run, &session.graph, &lock, &session.figures);
+    omitted.into_iter().chain(differences).collect()
 }
 
 /// `NAME: SENTENCE`, each sentence once, with the first name and the number of the others.

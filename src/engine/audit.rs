@@ -18,6 +18,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use rayon::iter::{IntoParallelRefIterator, ParallelIterator};
 use serde::Serialize;
 
+use crate::engine::disk::{read_regular, read_text};
 use crate::engine::error::{Error, Result};
 use crate::engine::id::Id;
 use crate::engine::manifest;
@@ -295,12 +296,16 @@ fn name(root: &Path, kind: &str, path: &Path) -> Option<String> {
 }
 
 fn object(id: &Id, path: &Path, buffer: &mut [u8]) -> std::result::Result<u64, String> {
-    let file = File::open(path).map_err(|why| format!("it cannot be read: {why}"))?;
+    let unread = |why: std::io::Error| format!("it cannot be read: {why}");
+    if !fs::metadata(path).map_err(unread)?.is_file() {
+        return Err("it is no regular file".to_owned());
+    }
+    let file = File::open(path).map_err(unread)?;
     object::check(id, file, buffer)
 }
 
 fn record(root: &Path, path: &Path) -> std::result::Result<Record, String> {
-    let text = fs::read(path).map_err(|why| format!("it cannot be read: {why}"))?;
+    let text = read_regular(path).map_err(|why| format!("it cannot be read: {why}"))?;
     let text = String::from_utf8(text).map_err(|_| "it is no text".to_owned())?;
     let record = Record::parse(&text).ok_or("its check does not hold")?;
     if name(root, "records", path).as_deref() != Some(record.key.as_str()) {
@@ -314,7 +319,7 @@ fn record(root: &Path, path: &Path) -> std::result::Result<Record, String> {
 
 /// A part is named by the BLAKE3 of its bytes before the check, which is its last field.
 fn part(path: &Path) -> std::result::Result<(), String> {
-    let text = fs::read_to_string(path).map_err(|why| format!("it cannot be read: {why}"))?;
+    let text = read_text(path).map_err(|why| format!("it cannot be read: {why}"))?;
     let (body, _) = text.rsplit_once(",\"check\":\"").ok_or("it has no check")?;
     let hash = blake3::hash(body.as_bytes()).to_hex();
     if text[body.len()..] != format!(",\"check\":\"{hash}\"}}\n") {
@@ -330,7 +335,7 @@ fn list_of_pieces(root: &Path, path: &Path) -> std::result::Result<(), String> {
     let content = name(root, "manifests", path)
         .and_then(|hex| Id::parse(&hex))
         .ok_or(STRAY)?;
-    let bytes = fs::read(path).map_err(|why| format!("it cannot be read: {why}"))?;
+    let bytes = read_regular(path).map_err(|why| format!("it cannot be read: {why}"))?;
     let ids = manifest::parse(&content, &bytes);
     ids.map(|_| ())
         .ok_or_else(|| "its ids do not hash to the name".to_owned())

@@ -5,6 +5,8 @@ use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io;
 use std::path::Path;
 
+use crate::engine::codec::LIMIT;
+
 /// The file operations of the store.
 pub trait Disk: Send + Sync {
     /// All bytes of a file.
@@ -56,12 +58,39 @@ pub trait Disk: Send + Sync {
     fn try_lock(&self, file: &File, exclusive: bool) -> Result<(), TryLockError>;
 }
 
+/// All bytes of a regular file no longer than an object may be: a pipe in a store is not waited for, a huge file not held.
+///
+/// # Errors
+/// The operating system's; `InvalidData` for what is no regular file, or is too long.
+pub(crate) fn read_regular(path: &Path) -> io::Result<Vec<u8>> {
+    let found = fs::metadata(path)?;
+    let refuse = |why: String| Err(io::Error::new(io::ErrorKind::InvalidData, why));
+    if !found.is_file() {
+        return refuse("it is no regular file".to_owned());
+    }
+    if found.len() > LONGEST_FILE {
+        return refuse(format!("its {} bytes are more than an object may have", found.len()));
+    }
+    fs::read(path)
+}
+
+/// The same as text.
+///
+/// # Errors
+/// Those of [`read_regular`]; bytes that are no text.
+pub(crate) fn read_text(path: &Path) -> io::Result<String> {
+    String::from_utf8(read_regular(path)?).map_err(|why| io::Error::new(io::ErrorKind::InvalidData, why))
+}
+
+/// Bytes of the longest file that belongs to a store.
+const LONGEST_FILE: u64 = LIMIT as u64 + 64;
+
 /// The operating system's own.
 pub struct System;
 
 impl Disk for System {
     fn read(&self, path: &Path) -> io::Result<Vec<u8>> {
-        fs::read(path)
+        read_regular(path)
     }
 
     fn write(&self, path: &Path, bytes: &[u8]) -> io::Result<()> {

@@ -10,7 +10,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
-use crate::engine::disk::{Disk, System};
+use crate::engine::disk::{Disk, System, read_text};
 use crate::engine::error::{Error, Result};
 use crate::engine::id::Id;
 use crate::engine::lock::Lock;
@@ -85,19 +85,20 @@ impl Alone {
 }
 
 /// The locks that lie beside the objects of a store: name and text.
-pub fn locks_in(root: &Path) -> Vec<(String, String)> {
+///
+/// # Errors
+/// A lock that cannot be read as text.
+pub fn locks_in(root: &Path) -> Result<Vec<(String, String)>> {
     let mut locks = Vec::new();
     for entry in fs::read_dir(root).into_iter().flatten().flatten() {
         let name = entry.file_name().to_string_lossy().into_owned();
-        if entry.path().extension().is_some_and(|extension| extension == "lock")
-            && name != "store.lock"
-            && let Ok(text) = fs::read_to_string(entry.path())
-        {
+        if entry.path().extension().is_some_and(|extension| extension == "lock") && name != "store.lock" {
+            let text = read_text(&entry.path()).map_err(Error::io("read the lock", entry.path()))?;
             locks.push((name, text));
         }
     }
     locks.sort();
-    locks
+    Ok(locks)
 }
 
 /// The size of a store, without what belongs to the user, bytes.
@@ -114,7 +115,7 @@ pub fn bytes(root: &Path) -> u64 {
 /// A lock beside the store that is damaged, so that what it reaches is not known.
 pub fn plan(root: &Path, pipeline: &Pipeline, committed: &[String], bound: u64) -> Result<Sweep> {
     let mut locks = Vec::new();
-    for (name, text) in locks_in(root) {
+    for (name, text) in locks_in(root)? {
         let lock = Lock::parse(&text).map_err(|error| Error::Damaged {
             what: root.join(name).display().to_string(),
             why: error.to_string(),
@@ -172,18 +173,17 @@ struct Scan {
 
 impl Scan {
     fn new(root: &Path) -> Self {
-        let mut objects = BTreeMap::new();
-        let mut rest = Vec::new();
-        for item in files_in(&root.join("objects")) {
-            match named(&item.path) {
-                Some(id) => drop(objects.insert(id, item)),
-                None => rest.push(item),
-            }
-        }
+        let named_objects = files_in(&root.join("objects")).into_iter();
+        let objects = named_objects
+            .filter_map(|item| Some((named(&item.path)?, item)))
+            .collect();
         let mut records: BTreeMap<Id, Vec<(Noted, SystemTime)>> = BTreeMap::new();
         let (mut damaged, mut record_bytes) = (Vec::new(), BTreeMap::new());
-        for item in files_in(&root.join("records")) {
-            let text = fs::read_to_string(&item.path).unwrap_or_default();
+        for item in files_in(&root.join("records"))
+            .into_iter()
+            .filter(|item| is_record(&item.path))
+        {
+            let text = read_text(&item.path).unwrap_or_default();
             let record = Record::parse(&text);
             match record.and_then(|record| Some((Id::parse(&record.id)?, record))) {
                 None => damaged.push(item),
@@ -195,16 +195,23 @@ impl Scan {
                 }
             }
         }
-        for folder in ["tmp", "locks", "quarantine"] {
-            rest.extend(files_in(&root.join(folder)));
-        }
+        // Only what the store names: a stranger's file is not ours to remove.
+        let rest = ["tmp", "locks", "quarantine"].into_iter().flat_map(|folder| {
+            let items = files_in(&root.join(folder)).into_iter();
+            items.filter(|item| {
+                item.path
+                    .file_name()
+                    .and_then(|name| name.to_str())
+                    .is_some_and(is_ours)
+            })
+        });
         Self {
             objects,
             records,
             damaged,
             parts: files_in(&root.join("parts")),
             manifests: files_in(&root.join("manifests")),
-            rest,
+            rest: rest.collect(),
             record_bytes,
         }
     }
@@ -335,6 +342,16 @@ fn may_go(record: &Record, pipeline: &Pipeline) -> bool {
     let stage = record.node.split('/').next().unwrap_or_default();
     let node = pipeline.place(stage).map(|place| pipeline.contents[place]);
     node.is_some_and(|node| node.keep() != Keep::Always && !node.is_published())
+}
+
+/// Whether a temporary, locked or quarantined file has a name that the store gives: hexadecimal, with what follows a dash.
+fn is_ours(name: &str) -> bool {
+    let hex = name.split(['-', '.']).next().unwrap_or_default();
+    hex.len() >= 16 && hex.bytes().all(|byte| byte.is_ascii_hexdigit())
+}
+
+fn is_record(path: &Path) -> bool {
+    path.extension().is_some_and(|extension| extension == "json") && named(&path.with_extension("")).is_some()
 }
 
 fn named(path: &Path) -> Option<Id> {

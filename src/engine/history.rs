@@ -8,6 +8,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
+use crate::engine::disk::read_text;
 use crate::engine::id::{Id, Key};
 use crate::engine::parts::{CodePart, InputsPart, ParamsPart, get};
 use crate::engine::record::Record;
@@ -39,7 +40,7 @@ impl<'s> History<'s> {
             inputs: RefCell::default(),
         };
         for path in records(store.root()) {
-            let record = fs::read_to_string(&path).ok().and_then(|text| Record::parse(&text));
+            let record = read_text(&path).ok().and_then(|text| Record::parse(&text));
             if let Some(record) = record.filter(|record| is_at(&path, &record.key)) {
                 history.take(record);
             }

@@ -1,9 +1,9 @@
 //! Manifest: the ordered ids of the pieces that a content consists of, in `manifests/ab/cdef..`, named by their hash. A
 //! damaged one is none.
 
-use std::fs;
 use std::path::Path;
 
+use crate::engine::disk::read_regular;
 use crate::engine::id::Id;
 
 /// The ids in the bytes of a manifest of this name.
@@ -17,5 +17,5 @@ pub(crate) fn parse(content: &Id, bytes: &[u8]) -> Option<Vec<Id>> {
 pub(crate) fn pieces(store: &Path, content: &Id) -> Option<Vec<Id>> {
     let hex = content.to_string();
     let path = store.join("manifests").join(&hex[..2]).join(&hex[2..]);
-    parse(content, &fs::read(path).ok()?)
+    parse(content, &read_regular(&path).ok()?)
 }

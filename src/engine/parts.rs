@@ -5,13 +5,13 @@
 //! check, which is their last field, as in records.
 
 use std::collections::BTreeMap;
-use std::fs;
 
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
 use crate::engine::arrow::Kind;
 use crate::engine::code;
+use crate::engine::disk::{read_regular, read_text};
 use crate::engine::error::Result;
 use crate::engine::record::{opened, sealed};
 use crate::engine::run::Run;
@@ -135,7 +135,7 @@ pub(crate) fn put<T: Serialize>(store: &Store, part: &T) -> Result<String> {
     let json = serde_json::to_string(part).expect("a part holds strings and finite numbers");
     let (name, text) = sealed(&json);
     let path = store.root().join("parts").join(format!("{name}.json"));
-    if fs::read(&path).is_ok_and(|there| there == text.as_bytes()) {
+    if read_regular(&path).is_ok_and(|there| there == text.as_bytes()) {
         return Ok(name);
     }
     store.write(&path, text.as_bytes(), false)?;
@@ -147,7 +147,7 @@ pub(crate) fn get<T: DeserializeOwned>(store: &Store, name: &str) -> Option<T> {
     // A name comes from a record: it is a hash, or it is no name.
     blake3::Hash::from_hex(name).ok()?;
     let path = store.root().join("parts").join(format!("{name}.json"));
-    let (check, json) = opened(&fs::read_to_string(path).ok()?)?;
+    let (check, json) = opened(&read_text(&path).ok()?)?;
     if check != name {
         return None;
     }

@@ -5,12 +5,12 @@
 
 use std::cell::OnceCell;
 use std::collections::{BTreeMap, BTreeSet};
-use std::fs;
 
 use serde::Serialize;
 
 use crate::engine::arrow::Kind;
 use crate::engine::compare::{Present, inputs};
+use crate::engine::disk::read_regular;
 use crate::engine::explain::{Told, tell};
 use crate::engine::graph::Graph;
 use crate::engine::history::{History, has_record_file};
@@ -225,7 +225,7 @@ impl<'g> Plan<'g> {
     fn look(&self, node: usize, id: &Id) -> Result<Vec<u8>, Option<String>> {
         let hex = id.to_string();
         let path = self.run.store.root().join("objects").join(&hex[..2]).join(&hex[2..]);
-        let file = fs::read(path).map_err(|_| None)?;
+        let file = read_regular(&path).map_err(|_| None)?;
         let schema = schema_number(self.run.graph.nodes[node].node.schema());
         object::open(id, Some(schema), &file).map_err(Some)
     }

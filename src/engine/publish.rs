@@ -8,9 +8,11 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
 use std::fs;
 use std::hash::{BuildHasher, RandomState};
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use crate::engine::case::Axis;
+use crate::engine::disk::read_text;
 use crate::engine::disk::{Disk, System};
 use crate::engine::error::{Error, Result};
 use crate::engine::event::Event;
@@ -149,8 +151,8 @@ impl Ours {
 
     /// What a store and its locks know.
     pub fn of(store: &Store) -> Self {
-        let text = fs::read_to_string(store.root().join("published")).unwrap_or_default();
-        let locks = gc::locks_in(store.root()).into_iter();
+        let text = read_text(&store.root().join("published")).unwrap_or_default();
+        let locks = gc::locks_in(store.root()).unwrap_or_default().into_iter();
         let locks = locks.filter_map(|(_, text)| Lock::parse(&text).ok());
         let files = locks.flat_map(|lock| lock.lines.into_iter().filter(|line| line.pieces.is_none()));
         Self {
@@ -161,8 +163,11 @@ impl Ours {
 
     /// How a file stands; `text` is what a run would write, if that is known.
     pub fn state(&self, path: &Path, text: Option<&str>) -> State {
-        let Ok(bytes) = fs::read(path) else {
-            return State::Missing;
+        let bytes = match fs::read(path) {
+            Ok(bytes) => bytes,
+            Err(why) if why.kind() == ErrorKind::NotFound => return State::Missing,
+            // What cannot be read may be somebody's work: it is not written over.
+            Err(_) => return State::Edited,
         };
         if text.is_some_and(|text| text.as_bytes() == bytes) {
             return State::Current;

@@ -11,6 +11,7 @@ use std::time::SystemTime;
 
 use serde::{Deserialize, Serialize};
 
+use crate::engine::disk::read_text;
 use crate::engine::error::Result;
 use crate::engine::id::Id;
 use crate::engine::manifest;
@@ -74,7 +75,7 @@ pub(crate) fn last(root: &Path) -> (Vec<RunFile>, Option<SystemTime>) {
 }
 
 fn read(path: &Path) -> Option<RunFile> {
-    serde_json::from_str(&opened(&fs::read_to_string(path).ok()?)?.1).ok()
+    serde_json::from_str(&opened(&read_text(path).ok()?)?.1).ok()
 }
 
 fn numbered(root: &Path) -> Vec<(u64, PathBuf)> {

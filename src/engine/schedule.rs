@@ -37,7 +37,9 @@ pub fn execute(run: &Run<'_>, workers: usize) -> Result<()> {
         scope.spawn(|| keep_house(run, &queue));
         pool.broadcast(|_| {
             while let Some((node, piece)) = queue.take(run) {
-                let outcome = step(run, node, piece);
+                // A piece that is never finished would keep the other workers waiting.
+                let outcome = catch_unwind(AssertUnwindSafe(|| step(run, node, piece)));
+                let outcome = outcome.unwrap_or_else(|_| Err(panicked(run, node, piece)));
                 queue.finish(run.graph, node, piece, outcome);
             }
         });
@@ -84,9 +86,8 @@ fn step(run: &Run<'_>, node: usize, piece: usize) -> Result<Turn> {
     if matches!(run.decide(node, piece), Decision::Cached) {
         return Ok(reuse(run, node, piece));
     }
-    // A stage that panics must not leave the other workers waiting for it.
     let made = catch_unwind(AssertUnwindSafe(|| run.make(node, piece, key, Some(lock))));
-    let made = made.unwrap_or_else(|_| Err(Error::stage("it panicked").at(&run.graph.nodes[node].piece_name(piece))));
+    let made = made.unwrap_or_else(|_| Err(panicked(run, node, piece)));
     if let Err(error) = &made {
         let node = run.graph.nodes[node].name();
         run.tell(&Event::DidFail {
@@ -96,6 +97,10 @@ fn step(run: &Run<'_>, node: usize, piece: usize) -> Result<Turn> {
         });
     }
     made.map(|()| Turn::Done)
+}
+
+fn panicked(run: &Run<'_>, node: usize, piece: usize) -> Error {
+    Error::stage("it panicked").at(&run.graph.nodes[node].piece_name(piece))
 }
 
 fn reuse(run: &Run<'_>, node: usize, piece: usize) -> Turn {

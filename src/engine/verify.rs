@@ -40,6 +40,26 @@ pub fn against_lock(run: &Run<'_>, graph: &Graph, lock: &Lock, figures: &Path) -
     differences
 }
 
+/// What a lock does not say: its own profile and seed, and a file of each published node; empty if nothing is amiss.
+///
+/// `layout` holds published nodes and the folders they are written to.
+pub fn omissions(graph: &Graph, lock: &Lock, profile: &str, layout: &[(usize, String)]) -> Vec<String> {
+    let mut found = Vec::new();
+    if lock.profile != profile {
+        found.push(format!("head: expected profile {profile}, found {}", lock.profile));
+    }
+    if lock.seed != graph.seed {
+        found.push(format!("head: expected seed {}, found {}", graph.seed, lock.seed));
+    }
+    for (node, prefix) in layout {
+        let stem = format!("file {prefix}{}.", graph.nodes[*node].node.name());
+        if !lock.lines.iter().any(|line| line.name.starts_with(&stem)) {
+            found.push(format!("{stem}*: expected a published file, found none in the lock"));
+        }
+    }
+    found
+}
+
 /// What of a node differs from its line, as far as the lock tells.
 pub(crate) fn recipe_reason(run: &Run<'_>, graph: &Graph, lock: &Lock, node: usize, line: &Line) -> String {
     let it = &graph.nodes[node];

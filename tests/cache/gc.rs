@@ -165,3 +165,34 @@ fn who_collects_waits_for_runs_and_runs_wait_for_it() {
         run.join().expect("no panic").expect_success();
     });
 }
+
+#[test]
+fn a_stranger_s_file_in_a_folder_of_the_store_stays() {
+    let house = House::lived_in(&[]);
+    let strangers = [
+        "tmp/mine/thesis.txt",
+        "tmp/notes",
+        "records/vinyl.txt",
+        "objects/stone",
+        "quarantine/letter.txt",
+    ];
+    for name in strangers {
+        let path = house.path("store").join(name);
+        fs::create_dir_all(path.parent().expect("a folder")).expect("a folder can be made");
+        fs::write(path, "mine").expect("a file can be written");
+    }
+    house.gc(0, false).expect("garbage is collected");
+    for name in strangers {
+        assert!(house.path("store").join(name).is_file(), "{name}");
+    }
+}
+
+#[test]
+fn a_lock_that_cannot_be_read_stops_the_collection() {
+    let house = House::lived_in(&[]);
+    fs::write(house.path("store/toy.lock"), [0xff, 0xfe]).expect("a lock can be written");
+    let before = house.files_in("store/objects");
+    let error = house.gc(0, false).expect_err("what the lock keeps is not known");
+    assert!(error.to_string().contains("read the lock"), "{error}");
+    assert_eq!(house.files_in("store/objects"), before);
+}

@@ -267,6 +267,35 @@ fn the_lock_of_the_paper_reads_back_as_it_was_written() {
     assert!(LOCK.lines().all(|line| line.len() < 240));
 }
 
+#[test]
+fn a_lock_that_leaves_something_out_is_told() {
+    let program = Program::new("tiny");
+    let without = |start: &str| {
+        let lines = LOCK.lines().filter(|line| !line.starts_with(start));
+        lines.collect::<Vec<_>>().join("\n") + "\n"
+    };
+    for (text, expected) in [
+        (
+            without("file printed/"),
+            "file printed/fig1_wave_groups.* and 8 more: expected a published file",
+        ),
+        (without("file table1."), "file table1.*: expected a published file"),
+        (
+            LOCK.replacen("seed 2022", "seed 7", 1),
+            "head: expected seed 2022, found 7",
+        ),
+        (
+            LOCK.replacen("profile tiny", "profile paper", 1),
+            "head: expected profile tiny, found paper",
+        ),
+    ] {
+        lock_with(&program, |_| text.clone());
+        let said = program.call(&["verify", "--lock"]);
+        assert_eq!(said.code, 3, "{}", said.stderr);
+        assert!(said.stderr.contains(expected), "{}", said.stderr);
+    }
+}
+
 /// The locked version of a crate.
 fn version_of(name: &str) -> String {
     let lock = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("Cargo.lock")).expect("a lock");

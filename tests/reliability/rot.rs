@@ -211,3 +211,25 @@ fn a_damaged_memory_of_published_files_only_keeps_more_copies() {
     house.set("pinned.item=5");
     assert_eq!(house.run().set_aside(), NOTHING);
 }
+
+/// A file that says it is longer than an object may be takes no room on the disk, and none in memory.
+#[test]
+fn what_is_too_long_or_no_file_is_damage_and_is_made_again() {
+    let kept = Kept::new();
+    let before = kept.read();
+    let object = kept.house.object(&kept.id);
+    let good = fs::read(&object).expect("an object can be read");
+    let file = fs::OpenOptions::new()
+        .write(true)
+        .open(&object)
+        .expect("an object can be opened");
+    file.set_len(6 << 30).expect("a sparse file");
+    assert_eq!(kept.read(), before);
+    assert_eq!(fs::read(&object).expect("an object can be read"), good);
+
+    fs::remove_file(&object).expect("an object can be removed");
+    let piped = std::process::Command::new("mkfifo").arg(&object).status();
+    assert!(piped.expect("mkfifo runs").success());
+    assert_eq!(kept.read(), before);
+    assert_eq!(fs::read(&object).expect("an object can be read"), good);
+}
