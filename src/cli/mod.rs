@@ -51,7 +51,7 @@ enum Verb {
     Diff(diff::DiffArgs),
     /// Draw the pipeline in paper order, each stage with its state
     Graph(graph::GraphArgs),
-    /// Check the committed lock: against the code, or against a run from nothing
+    /// Check the committed lock against the code, the store against its names, or both against a run from nothing
     Verify(verify::VerifyArgs),
     /// Make room in the store: what nothing reaches goes, then what can be made again
     Gc(gc::GcArgs),

@@ -36,9 +36,13 @@ A difference reads NODE: VALUE  OLD / NEW (distance); ULP are units in the last 
 
 Exit code:
   0    nothing differs, nothing is damaged
+  1    a stage failed in a rebuild
+  2    an option or a parameter that cannot be used
   3    something differs from the lock, or is damaged
-  4    a stage is not reproducible: it differs from itself, or from what the same compiler recorded of the same key
-  5    the lock or the store cannot be read";
+  4    a stage is not reproducible: it differs from itself, or from what the same compiler recorded of the same key;
+       or this build on this CPU fails its self-test
+  5    the lock or the store cannot be read
+  130  interrupted";
 
 /// What `--store` is to this verb.
 const STORE_HELP: &str = "Hash all of the store again and move what is damaged to its quarantine folder; \
