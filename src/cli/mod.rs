@@ -242,7 +242,7 @@ fn act(verb: &Verb) -> Result<()> {
         Verb::Show(args) => show::show(args),
         Verb::Diff(args) => diff::diff(args),
         Verb::Graph(args) => graph::graph(args),
-        Verb::Verify(args) => same_bits().and_then(|()| verify::verify(args)),
+        Verb::Verify(args) => verify::verify(args),
         Verb::Gc(args) => gc::gc(args),
     }
 }

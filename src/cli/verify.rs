@@ -14,7 +14,7 @@ use serde_json::json;
 use crate::cli::interrupt::STOP;
 use crate::cli::progress::{Progress, tell};
 use crate::cli::run::workers;
-use crate::cli::{Common, Session, print_json, say};
+use crate::cli::{Common, Session, print_json, same_bits, say};
 use crate::engine::audit::{Audit, Finding, audit};
 use crate::engine::code;
 use crate::engine::difference::grouped;
@@ -142,7 +142,7 @@ fn compare_lock(args: &VerifyArgs, session: &Session, lock: &Lock) -> Vec<String
     let store = session.look_at_store();
     let silent = |_: &_| {};
     let run = Run::new(&session.graph, &store, &silent);
-    let differences = against_lock(&run, &session.graph, &lock, &session.figures);
+    let differences = against_lock(&run, &lock, &session.figures);
     omitted.into_iter().chain(differences).collect()
 }
 
@@ -220,7 +220,7 @@ fn lock_in_store(args: &VerifyArgs, session: &Session) -> Vec<String> {
         Ok(lock) => {
             let store = session.look_at_store();
             let silent = |_: &_| {};
-            against_store(&Run::new(&session.graph, &store, &silent), &session.graph, &lock)
+            against_store(&Run::new(&session.graph, &store, &silent), &lock)
         }
     }
 }
@@ -273,6 +273,7 @@ fn print_findings(word: &str, findings: &[Finding]) {
 }
 
 fn verify_rebuild(args: &VerifyArgs, session: &Session) -> Result<()> {
+    same_bits()?;
     let path = args.common.lock_file()?;
     let lock = read_lock(&path)?;
     let start = Instant::now();

@@ -23,7 +23,8 @@ use crate::engine::error::{Error, Result};
 use crate::engine::id::Id;
 use crate::engine::manifest;
 use crate::engine::object;
-use crate::engine::record::Record;
+use crate::engine::record::{Record, opened};
+use crate::engine::store::path_in;
 
 /// Bytes read at a time: a share of a second-level cache.
 const BUFFER: usize = 256 << 10;
@@ -213,7 +214,7 @@ impl Audit {
             .filter(|(id, named)| !named.evicted && !present.contains(id));
         for (id, named) in gone {
             let hex = id.to_string();
-            let path = root.join("objects").join(&hex[..2]).join(&hex[2..]);
+            let path = path_in(root, "objects", &hex, "");
             // Written since the objects were listed, or not there.
             if !path.is_file() {
                 self.missing.push(finding(
@@ -320,12 +321,8 @@ fn record(root: &Path, path: &Path) -> std::result::Result<Record, String> {
 /// A part is named by the BLAKE3 of its bytes before the check, which is its last field.
 fn part(path: &Path) -> std::result::Result<(), String> {
     let text = read_text(path).map_err(|why| format!("it cannot be read: {why}"))?;
-    let (body, _) = text.rsplit_once(",\"check\":\"").ok_or("it has no check")?;
-    let hash = blake3::hash(body.as_bytes()).to_hex();
-    if text[body.len()..] != format!(",\"check\":\"{hash}\"}}\n") {
-        return Err("its check does not hold".to_owned());
-    }
-    if leaf(path) != format!("{hash}.json") {
+    let (check, _) = opened(&text).ok_or("its check does not hold")?;
+    if leaf(path) != format!("{check}.json") {
         return Err("the bytes do not hash to the name".to_owned());
     }
     Ok(())

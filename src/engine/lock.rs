@@ -8,7 +8,6 @@ use std::fmt::Write as _;
 
 use crate::engine::code::{self, StageCode};
 use crate::engine::error::{Error, Result};
-use crate::engine::graph::Graph;
 use crate::engine::id::{Id, Key};
 use crate::engine::key::KEY_SCHEMA;
 use crate::engine::run::Run;
@@ -257,8 +256,9 @@ fn parse_line(row: &str) -> Option<Line> {
 }
 
 /// The recipes that the present code and parameters give, with the contents of inputs as the lock states them.
-pub fn recipes(run: &Run<'_>, graph: &Graph, lock: &Lock) -> Vec<Option<Key>> {
+pub fn recipes(run: &Run<'_>, lock: &Lock) -> Vec<Option<Key>> {
     let contents = lock.contents();
+    let graph = run.graph;
     let names: Vec<String> = graph.nodes.iter().map(super::graph::NodeCase::name).collect();
     let content = |node: usize| contents.get(names[node].as_str()).copied();
     (0..graph.nodes.len()).map(|node| run.recipe(node, &content)).collect()

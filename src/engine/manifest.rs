@@ -5,6 +5,7 @@ use std::path::Path;
 
 use crate::engine::disk::read_regular;
 use crate::engine::id::Id;
+use crate::engine::store::path_in;
 
 /// The ids in the bytes of a manifest of this name.
 pub(crate) fn parse(content: &Id, bytes: &[u8]) -> Option<Vec<Id>> {
@@ -16,6 +17,6 @@ pub(crate) fn parse(content: &Id, bytes: &[u8]) -> Option<Vec<Id>> {
 /// The ids that a content in pieces consists of, where a store knows them.
 pub(crate) fn pieces(store: &Path, content: &Id) -> Option<Vec<Id>> {
     let hex = content.to_string();
-    let path = store.join("manifests").join(&hex[..2]).join(&hex[2..]);
+    let path = path_in(store, "manifests", &hex, "");
     parse(content, &read_regular(&path).ok()?)
 }

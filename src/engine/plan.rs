@@ -21,7 +21,7 @@ use crate::engine::reason::Reason;
 use crate::engine::record::Record;
 use crate::engine::run::{Decision, Listener, Run};
 use crate::engine::stage::Keep;
-use crate::engine::store::Store;
+use crate::engine::store::{Store, path_in};
 
 /// What a run would do with one node.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -224,7 +224,7 @@ impl<'g> Plan<'g> {
     /// Verified bytes of an object, which stays where it is; else what is wrong with it, or nothing if it is not there.
     fn look(&self, node: usize, id: &Id) -> Result<Vec<u8>, Option<String>> {
         let hex = id.to_string();
-        let path = self.run.store.root().join("objects").join(&hex[..2]).join(&hex[2..]);
+        let path = path_in(self.run.store.root(), "objects", &hex, "");
         let file = read_regular(&path).map_err(|_| None)?;
         let schema = schema_number(self.run.graph.nodes[node].node.schema());
         object::open(id, Some(schema), &file).map_err(Some)

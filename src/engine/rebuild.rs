@@ -313,7 +313,7 @@ fn change(run: &Run<'_>, node: usize, line: &Line, against: &Against<'_>) -> Str
     let reason = if recipe == line.recipe {
         "the lock was made on another system or by another compiler, or was edited".to_owned()
     } else {
-        recipe_reason(run, run.graph, against.lock, node, line)
+        recipe_reason(run, against.lock, node, line)
     };
     let told: Vec<String> = std::iter::once(reason).chain(toolchains(against.lock)).collect();
     told.join("; ")

@@ -17,7 +17,7 @@ use crate::engine::id::Id;
 use crate::engine::manifest;
 use crate::engine::record::{opened, sealed};
 use crate::engine::run::Run;
-use crate::engine::store::Store;
+use crate::engine::store::{Store, path_in};
 
 /// How many runs are remembered.
 const KEPT: usize = 3;
@@ -94,7 +94,7 @@ fn keep_manifest(store: &Store, content: &Id, ids: &[Id]) -> Result<()> {
         return Ok(());
     }
     let hex = content.to_string();
-    let path = store.root().join("manifests").join(&hex[..2]).join(&hex[2..]);
+    let path = path_in(store.root(), "manifests", &hex, "");
     let bytes: Vec<u8> = ids.iter().flat_map(|id| id.0).collect();
     store.write(&path, &bytes, false)
 }

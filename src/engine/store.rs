@@ -298,11 +298,13 @@ impl Store {
     }
 
     fn path(&self, kind: &str, hex: &str, suffix: &str) -> PathBuf {
-        self.root
-            .join(kind)
-            .join(&hex[..2])
-            .join(format!("{}{suffix}", &hex[2..]))
+        path_in(&self.root, kind, hex, suffix)
     }
+}
+
+/// Where a store keeps what a hash names: `KIND/ab/cdef..SUFFIX`.
+pub(crate) fn path_in(root: &Path, kind: &str, hex: &str, suffix: &str) -> PathBuf {
+    root.join(kind).join(&hex[..2]).join(format!("{}{suffix}", &hex[2..]))
 }
 
 fn folders<'p>(files: impl Iterator<Item = &'p Path>) -> BTreeSet<&'p Path> {

@@ -14,10 +14,10 @@ use crate::engine::lock::{Line, Lock, crates, recipes, short};
 use crate::engine::run::Run;
 
 /// Every way in which code, parameters and published files differ from a lock; empty if none.
-pub fn against_lock(run: &Run<'_>, graph: &Graph, lock: &Lock, figures: &Path) -> Vec<String> {
+pub fn against_lock(run: &Run<'_>, lock: &Lock, figures: &Path) -> Vec<String> {
     let mut differences = Vec::new();
     let mut known: Vec<&Line> = lock.lines.iter().collect();
-    for (index, (node, recipe)) in graph.nodes.iter().zip(recipes(run, graph, lock)).enumerate() {
+    for (index, (node, recipe)) in run.graph.nodes.iter().zip(recipes(run, lock)).enumerate() {
         let name = node.name();
         let Some(place) = known.iter().position(|line| line.name == name) else {
             differences.push(format!("{name}: not in the lock"));
@@ -28,7 +28,7 @@ pub fn against_lock(run: &Run<'_>, graph: &Graph, lock: &Lock, figures: &Path) -
             let pieces = line.pieces.map_or("-".to_owned(), |pieces| pieces.to_string());
             differences.push(format!("{name}: {} pieces, the lock says {pieces}", node.pieces.len()));
         } else if line.recipe != recipe {
-            differences.push(format!("{name}: {}", recipe_reason(run, graph, lock, index, line)));
+            differences.push(format!("{name}: {}", recipe_reason(run, lock, index, line)));
         }
     }
     for line in known {
@@ -61,7 +61,8 @@ pub fn omissions(graph: &Graph, lock: &Lock, profile: &str, layout: &[(usize, St
 }
 
 /// What of a node differs from its line, as far as the lock tells.
-pub(crate) fn recipe_reason(run: &Run<'_>, graph: &Graph, lock: &Lock, node: usize, line: &Line) -> String {
+pub(crate) fn recipe_reason(run: &Run<'_>, lock: &Lock, node: usize, line: &Line) -> String {
+    let graph = run.graph;
     let it = &graph.nodes[node];
     let contents = lock.contents();
     let content = |node: usize| contents.get(graph.nodes[node].name().as_str()).copied();
@@ -128,9 +129,9 @@ pub fn toolchains(lock: &Lock) -> Option<String> {
 }
 
 /// Every line of a lock that says something else than the store's records of the same recipe; empty if none.
-pub fn against_store(run: &Run<'_>, graph: &Graph, lock: &Lock) -> Vec<String> {
+pub fn against_store(run: &Run<'_>, lock: &Lock) -> Vec<String> {
     let mut differences = Vec::new();
-    for (index, (node, recipe)) in graph.nodes.iter().zip(recipes(run, graph, lock)).enumerate() {
+    for (index, (node, recipe)) in run.graph.nodes.iter().zip(recipes(run, lock)).enumerate() {
         for piece in 0..node.pieces.len() {
             run.decide(index, piece);
         }

@@ -236,7 +236,7 @@ impl House {
         let store = Store::open(folder.path()).expect("a store can be opened");
         let silent = |_: &Event| {};
         let run = Run::new(&graph, &store, &silent);
-        verify::against_lock(&run, &graph, lock, &self.path("figures"))
+        verify::against_lock(&run, lock, &self.path("figures"))
     }
 
     /// What `verify --store` says of a lock.
@@ -244,7 +244,7 @@ impl House {
         let graph = self.graph(&[]).expect("the parameters are in order");
         let store = self.store();
         let silent = |_: &Event| {};
-        verify::against_store(&Run::new(&graph, &store, &silent), &graph, lock)
+        verify::against_store(&Run::new(&graph, &store, &silent), lock)
     }
 
     /// What `verify --rebuild` finds: a run in an empty store, compared with a lock and this house's own store.
