@@ -44,13 +44,7 @@ impl Stage for Cic {
     fn run(p: &Params, (groups, sample): (Arc<Groups>, Arc<Sample>), here: Here<'_>) -> Result<SampledResponses> {
         let selection = Selection::new(groups.parameters(), sample.of(here.first, here.items));
         let t_p = p.sea.peak_period;
-        let approach = Approach {
-            h: p.record.h(t_p),
-            field_period: p.record.field_period(t_p),
-            truth_window: p.truth.window,
-            estimate_window: p.estimate.window,
-            groups_ahead: 0,
-        };
+        let approach = Approach::new(p.record.step_and_period(t_p), &p.truth, &p.estimate, 0);
         let runs: Vec<GroupRun> = selection.encounters().map(|group| approach.alone(group)).collect();
         let simulation = Simulation::new(&p.ship, &p.truth, approach.h);
         let r = max_roll_through_groups(&simulation, t_p, &runs, &[]);

@@ -52,13 +52,7 @@ impl Stage for Nic {
     ) -> Result<SampledResponses> {
         let selection = Selection::new(groups.parameters(), sample.of(here.first, here.items));
         let t_p = waves.t_p;
-        let approach = Approach {
-            h: p.record.h(t_p),
-            field_period: p.record.field_period(t_p),
-            truth_window: p.truth.window,
-            estimate_window: p.estimate.window,
-            groups_ahead: p.nic.groups_ahead,
-        };
+        let approach = Approach::new(p.record.step_and_period(t_p), &p.truth, &p.estimate, p.nic.groups_ahead);
         let simulation = Simulation::new(&p.ship, &p.truth, approach.h);
         let r = match p.nic.input {
             NicInput::Record => along_record(p, &waves, &selection, &approach, &simulation),

@@ -54,13 +54,7 @@ impl Stage for NicGroups {
     fn run(p: &Params, (groups, sample): (Arc<Groups>, Arc<Sample>), here: Here<'_>) -> Result<SampledResponses> {
         let selection = Selection::new(groups.parameters(), sample.of(here.first, here.items));
         let t_p = p.sea.peak_period;
-        let approach = Approach {
-            h: p.record.h(t_p),
-            field_period: p.record.field_period(t_p),
-            truth_window: p.truth.window,
-            estimate_window: p.estimate.window,
-            groups_ahead: p.nic.groups_ahead,
-        };
+        let approach = Approach::new(p.record.step_and_period(t_p), &p.truth, &p.estimate, p.nic.groups_ahead);
         let through = |(field, place): (usize, usize)| approach.through_groups(&selection.groups[field], place);
         let runs: Vec<GroupRun> = selection.sampled().map(through).collect();
         let simulation = Simulation::new(&p.ship, &p.truth, approach.h);

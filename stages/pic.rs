@@ -51,13 +51,7 @@ impl Stage for Pic {
     ) -> Result<SampledResponses> {
         let selection = Selection::new(groups.parameters(), sample.of(here.first, here.items));
         let t_p = p.sea.peak_period;
-        let approach = Approach {
-            h: p.record.h(t_p),
-            field_period: p.record.field_period(t_p),
-            truth_window: p.truth.window,
-            estimate_window: p.estimate.window,
-            groups_ahead: 0,
-        };
+        let approach = Approach::new(p.record.step_and_period(t_p), &p.truth, &p.estimate, 0);
         let runs: Vec<GroupRun> = selection.encounters().map(|group| approach.alone(group)).collect();
         let draws = draws(&selection, &here, ensemble.states[0].len());
         let initial: Vec<Vec<RollState>> = ensemble

@@ -165,13 +165,7 @@ fn nic_in_bins(p: &Params, nic: &PiecesOf<'_, SampledResponses>) -> Result<Vec<V
 /// The group at a bin's centre, met at rest and in every state of the ensemble: (epsilon_1)(runs) each.
 fn at_centre(p: &Params, group: [f64; 2], ensemble: &Ensemble) -> (Vec<Vec<f64>>, Vec<Vec<f64>>) {
     let t_p = p.sea.peak_period;
-    let approach = Approach {
-        h: p.record.h(t_p),
-        field_period: p.record.field_period(t_p),
-        truth_window: p.truth.window,
-        estimate_window: p.estimate.window,
-        groups_ahead: 0,
-    };
+    let approach = Approach::new(p.record.step_and_period(t_p), &p.truth, &p.estimate, 0);
     let encounter = Encounter {
         t_c: 0.0,
         l: group[0] * t_p,

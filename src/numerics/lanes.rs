@@ -94,9 +94,12 @@ pub fn dispatch<K: Kernel>(kernel: K) -> K::Output {
 }
 
 /// Runs a kernel with the vectors of one level, or of the highest available below it.
-#[expect(
-    unsafe_code,
-    reason = "a function with target features may run only where the CPU has them"
+#[cfg_attr(
+    target_arch = "x86_64",
+    expect(
+        unsafe_code,
+        reason = "a function with target features may run only where the CPU has them"
+    )
 )]
 pub fn dispatch_at<K: Kernel>(level: Level, kernel: K) -> K::Output {
     #[cfg(target_arch = "x86_64")]

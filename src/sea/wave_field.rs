@@ -101,6 +101,11 @@ impl Record {
         self.field_period(t_p) / (self.samples() / 2) as f64
     }
 
+    /// The step h and the field period T_f, s.
+    pub fn step_and_period(&self, t_p: f64) -> (f64, f64) {
+        (self.h(t_p), self.field_period(t_p))
+    }
+
     /// The plan by which [`WaveFields::elevation`] computes eta.
     pub fn synthesis(&self) -> Synthesis {
         Synthesis::new(self.modes as usize, self.samples())

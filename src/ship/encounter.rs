@@ -13,7 +13,8 @@
 
 use crate::ship::block::Block;
 use crate::ship::group_waves::GroupWaves;
-use crate::ship::initial_condition::{RollState, predecessor};
+use crate::ship::initial_condition::{Estimate, RollState, predecessor};
+use crate::ship::response::Truth;
 use crate::ship::segments::{Segment, SegmentMaxima};
 use crate::ship::simulation::{COLUMNS, EPSILONS, Observer, Simulation, Span, Waves};
 use std::f64::consts::TAU;
@@ -67,6 +68,17 @@ pub struct Approach {
 }
 
 impl Approach {
+    /// The layout on a record of step h and field period T_f (s), as `[truth]`, `[estimate]` and `[nic]` say.
+    pub fn new((h, field_period): (f64, f64), truth: &Truth, estimate: &Estimate, groups_ahead: u32) -> Self {
+        Self {
+            h,
+            field_period,
+            truth_window: truth.window,
+            estimate_window: estimate.window,
+            groups_ahead,
+        }
+    }
+
     /// CIC and PIC: one group by (5), met from `estimate_window` L ahead of it.
     ///
     /// A segment wider than that is cut off at the start.
