@@ -7,8 +7,8 @@
 //! Tested on planted groups and against finite differences in `tests/physics/detection.rs`.
 
 use super::Detection;
-use super::ring::{Ring, Window};
-use super::scale_space::{Seed, total};
+use super::refine::Seed;
+use super::ring::{Ring, Window, total};
 use crate::numerics::elementary;
 use crate::numerics::fourier::WIDTH;
 use crate::numerics::lanes::{Kernel, dispatch};
@@ -16,6 +16,8 @@ use crate::numerics::lbfgsb::{Settings, minimise};
 
 /// Least length of a fit, and seeds at or below it are dropped, samples.
 pub const SHORTEST_FIT: f64 = 3.0;
+/// The scale of a Gaussian bump of that length.
+pub const SHORTEST_SEED: f64 = SHORTEST_FIT * std::f64::consts::SQRT_2;
 /// Half-width of the pre-check's window, in l_0.
 const PRECHECK_REACH: f64 = 1.2;
 /// Half-width of the window of (G1), in the length.

@@ -10,11 +10,12 @@
 //! | C | `similarity` | 1 | similarity of the envelope to the group's Gaussian |
 //! | C_thr | `similarity_threshold` | 1 | least similarity of a group |
 //!
-//! The steps: (1) coarse scale space, (2) refinement in `scale_space`; (3) pre-check, (4) fit, (5) post-check in `fit`;
-//! (6) removal of overlaps in `prune`; (7) units here. Tested in `tests/physics/detection.rs`.
+//! The steps: (1) coarse scale space in `scale_space`, (2) refinement in `refine`; (3) pre-check, (4) fit, (5) post-check
+//! in `fit`; (6) removal of overlaps in `prune`; (7) units here. Tested in `tests/physics/detection.rs`.
 
 pub mod fit;
 pub mod prune;
+pub mod refine;
 pub mod ring;
 pub mod scale_space;
 
@@ -24,8 +25,12 @@ use crate::sea::envelope::Envelopes;
 use crate::sea::wave_group::{Groups, WaveGroup};
 use fit::Candidate;
 use ring::Ring;
+use refine::{Pyramid, Seed};
 use scale_space::ScaleSpace;
 use serde::{Deserialize, Serialize};
+
+/// Refined seeds closer than this share of s are the same minimum.
+const SAME: f64 = 1e-6;
 
 /// The table `[detection]`; lengths in envelope samples.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -95,21 +100,27 @@ pub fn detect(rho: &Envelopes, d: &Detection) -> Groups {
     let mut fields = Vec::with_capacity(rho.rho.len());
     for block in rho.rho.chunks(WIDTH) {
         space.fill(block);
-        for (field, seeds) in block.iter().zip(space.seeds()) {
-            fields.push(groups_of(Ring::new(field), &seeds, rho.spacing, d));
+        for (lane, (field, seeds)) in block.iter().zip(space.seeds()).enumerate() {
+            let minima = minima(&space.envelopes(lane), &seeds);
+            fields.push(groups_of(Ring::new(field), &minima, rho.spacing, d));
         }
     }
     Groups { fields }
 }
 
-/// Steps (2) to (7) for one field.
-fn groups_of(rho: Ring, seeds: &[scale_space::Seed], spacing: f64, d: &Detection) -> Vec<WaveGroup> {
-    let mut refined: Vec<_> = seeds
-        .iter()
-        .filter_map(|seed| scale_space::refine(rho, *seed))
-        .collect();
-    refined.sort_by(|p, q| p.x.total_cmp(&q.x));
-    let fitted = refined
+/// Step (2) for one field: the minima to which its seeds lead, each once, sorted by x.
+pub fn minima(envelopes: &[Vec<f64>], seeds: &[Seed]) -> Vec<Seed> {
+    let pyramid = Pyramid::new(envelopes);
+    let refined = seeds.iter().filter_map(|seed| pyramid.refine(*seed, fit::SHORTEST_SEED));
+    let mut minima: Vec<Seed> = refined.collect();
+    minima.sort_by(|p, q| p.x.total_cmp(&q.x));
+    minima.dedup_by(|q, p| (q.x - p.x).abs() < SAME * p.s && (q.s - p.s).abs() < SAME * p.s);
+    minima
+}
+
+/// Steps (3) to (7) for one field.
+fn groups_of(rho: Ring, minima: &[Seed], spacing: f64, d: &Detection) -> Vec<WaveGroup> {
+    let fitted = minima
         .iter()
         .filter_map(|seed| fit::precheck(rho, *seed, d))
         .map(|start| fit::fit(rho, start, d))

@@ -88,3 +88,9 @@ impl<'a> Ring<'a> {
         out
     }
 }
+
+/// The sum of eight lanes, by halves.
+#[inline(always)]
+pub fn total(x: [f64; WIDTH]) -> f64 {
+    ((x[0] + x[4]) + (x[2] + x[6])) + ((x[1] + x[5]) + (x[3] + x[7]))
+}
