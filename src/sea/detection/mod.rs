@@ -18,6 +18,7 @@ pub mod prune;
 pub mod refine;
 pub mod ring;
 pub mod scale_space;
+pub mod similarity;
 
 use crate::numerics::domain;
 use crate::numerics::fourier::WIDTH;
@@ -120,12 +121,9 @@ pub fn minima(envelopes: &[Vec<f64>], seeds: &[Seed]) -> Vec<Seed> {
 
 /// Steps (3) to (7) for one field.
 fn groups_of(rho: Ring, minima: &[Seed], spacing: f64, d: &Detection) -> Vec<WaveGroup> {
-    let fitted = minima
-        .iter()
-        .filter_map(|seed| fit::precheck(rho, *seed, d))
-        .map(|start| fit::fit(rho, start, d))
-        .filter(|group| fit::postcheck(group, d))
-        .collect();
+    let starts: Vec<_> = minima.iter().filter_map(|seed| fit::precheck(rho, *seed, d)).collect();
+    let mut fitted = fit::fit(rho, &starts, d);
+    fitted.retain(|group| fit::postcheck(group, d));
     let n = rho.len() as f64;
     let mut groups: Vec<_> = prune::without_overlaps(fitted, n, d)
         .iter()

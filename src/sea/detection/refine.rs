@@ -150,21 +150,34 @@ impl Kernel for Moments<'_> {
         let window = Window::around(self.x, KERNEL_REACH * self.s);
         let per_s = 1.0 / self.s;
         let mut sums = [[0.0; WIDTH]; 7];
+        let mut j = [0.0; WIDTH];
+        for i in 0..WIDTH {
+            j[i] = window.first as f64 + i as f64;
+        }
         // The last eight may reach past the window, where the summands are nothing.
         for first in (window.first..=window.last).step_by(WIDTH) {
             let rho = self.rho.chunk(first);
             let (mut nu, mut power) = ([0.0; WIDTH], [0.0; WIDTH]);
             for i in 0..WIDTH {
-                nu[i] = (self.x - (first as f64 + i as f64)) * per_s;
+                nu[i] = (self.x - j[i]) * per_s;
                 power[i] = -0.5 * (nu[i] * nu[i]);
             }
             let e = elementary::exp_lanes(power);
             for i in 0..WIDTH {
-                let mut term = rho[i] * e[i];
-                for sum in &mut sums {
-                    sum[i] += term;
-                    term *= nu[i];
-                }
+                let m_0 = rho[i] * e[i];
+                let m_1 = m_0 * nu[i];
+                let m_2 = m_1 * nu[i];
+                let m_3 = m_2 * nu[i];
+                let m_4 = m_3 * nu[i];
+                let m_5 = m_4 * nu[i];
+                sums[0][i] += m_0;
+                sums[1][i] += m_1;
+                sums[2][i] += m_2;
+                sums[3][i] += m_3;
+                sums[4][i] += m_4;
+                sums[5][i] += m_5;
+                sums[6][i] += m_5 * nu[i];
+                j[i] += WIDTH as f64;
             }
         }
         sums.map(total)

@@ -7,7 +7,7 @@
 //! | symbol | code | unit or shape | meaning |
 //! |---|---|---|---|
 //! | h = 1, 2, 4, ... | `step` | samples | spacing of a level in x and in s |
-//! | s = w h | | samples | scale; w = 3..=15 where h = 1, else 8..=15 |
+//! | s = w h | | samples | scale; w = 4..=15 where h = 1, else 8..=15 |
 //! | rho^ | `spectrum` | (n) m | transform of the envelope |
 //!
 //! At s >= 3 both sums are the same to 1e-17. K_s has no modes left beyond 9/s, so level h needs n/h samples, and the
@@ -28,7 +28,7 @@ const ROUND: f64 = 6_755_399_441_055_744.0;
 /// The first and the last scale of a level at which minima are sought, in steps; the first level begins at 3.
 const SOUGHT: [usize; 2] = [8, 15];
 /// The first scale at which minima are sought, samples.
-const FINEST: usize = 3;
+const FINEST: usize = 4;
 /// Least scale at which a level's envelope will do, in steps.
 const LEAST: usize = 4;
 
