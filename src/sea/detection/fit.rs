@@ -140,17 +140,6 @@ pub fn postcheck(group: &Candidate, d: &Detection) -> bool {
     group.similarity > d.similarity_threshold && group.l > d.shortest && group.a > d.smallest_amplitude
 }
 
-/// u = (j - x)/l and G_j for eight samples j from `first`.
-#[inline(always)]
-fn bell(first: i64, x: f64, l: f64) -> ([f64; WIDTH], [f64; WIDTH]) {
-    let (mut u, mut power) = ([0.0; WIDTH], [0.0; WIDTH]);
-    for i in 0..WIDTH {
-        u[i] = (first as f64 + i as f64 - x) / l;
-        power[i] = -0.5 * (u[i] * u[i]);
-    }
-    (u, elementary::exp_lanes(power))
-}
-
 /// The squares of the norms of rho - A G and of A G over a window.
 struct Distance<'a> {
     rho: Ring<'a>,
@@ -163,16 +152,28 @@ impl Kernel for Distance<'_> {
 
     #[inline(always)]
     fn run(self) -> Self::Output {
+        let Candidate { x, l, a, .. } = self.group;
+        let (last, per_l) = (self.window.last as f64, 1.0 / l);
         let (mut distance, mut size) = ([0.0; WIDTH], [0.0; WIDTH]);
+        let mut j = [0.0; WIDTH];
+        for i in 0..WIDTH {
+            j[i] = self.window.first as f64 + i as f64;
+        }
         for first in (self.window.first..=self.window.last).step_by(WIDTH) {
             let rho = self.rho.chunk(first);
-            let (_, g) = bell(first, self.group.x, self.group.l);
+            let mut power = [0.0; WIDTH];
             for i in 0..WIDTH {
-                let inside = first + i as i64 <= self.window.last;
-                let m = if inside { self.group.a * g[i] } else { 0.0 };
-                let gap = if inside { rho[i] - m } else { 0.0 };
-                distance[i] += gap * gap;
-                size[i] += m * m;
+                let u = (j[i] - x) * per_l;
+                power[i] = -0.5 * (u * u);
+            }
+            let g = elementary::exp_lanes(power);
+            for i in 0..WIDTH {
+                let inside = if j[i] <= last { 1.0 } else { 0.0 };
+                let m = a * g[i];
+                let gap = rho[i] - m;
+                distance[i] += inside * (gap * gap);
+                size[i] += inside * (m * m);
+                j[i] += WIDTH as f64;
             }
         }
         (total(distance), total(size))

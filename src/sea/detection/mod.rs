@@ -102,7 +102,7 @@ pub fn detect(rho: &Envelopes, d: &Detection) -> Groups {
     for block in rho.rho.chunks(WIDTH) {
         space.fill(block);
         for (lane, (field, seeds)) in block.iter().zip(space.seeds()).enumerate() {
-            let minima = minima(&space.envelopes(lane), &seeds);
+            let minima = minima(&Pyramid::new(field, space.envelopes(lane)), &seeds);
             fields.push(groups_of(Ring::new(field), &minima, rho.spacing, d));
         }
     }
@@ -110,8 +110,7 @@ pub fn detect(rho: &Envelopes, d: &Detection) -> Groups {
 }
 
 /// Step (2) for one field: the minima to which its seeds lead, each once, sorted by x.
-pub fn minima(envelopes: &[Vec<f64>], seeds: &[Seed]) -> Vec<Seed> {
-    let pyramid = Pyramid::new(envelopes);
+pub fn minima(pyramid: &Pyramid, seeds: &[Seed]) -> Vec<Seed> {
     let refined = seeds.iter().filter_map(|seed| pyramid.refine(*seed, fit::SHORTEST_SEED));
     let mut minima: Vec<Seed> = refined.collect();
     minima.sort_by(|p, q| p.x.total_cmp(&q.x));

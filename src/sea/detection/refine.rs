@@ -55,10 +55,10 @@ pub struct Pyramid<'a> {
 }
 
 impl<'a> Pyramid<'a> {
-    /// From the envelopes of [`ScaleSpace::envelopes`](super::scale_space::ScaleSpace::envelopes).
-    pub fn new(envelopes: &'a [Vec<f64>]) -> Self {
+    /// From the envelope and those of [`ScaleSpace::envelopes`](super::scale_space::ScaleSpace::envelopes).
+    pub fn new(rho: &'a [f64], coarser: impl Iterator<Item = &'a [f64]>) -> Self {
         Self {
-            levels: envelopes.iter().map(|rho| Ring::new(rho)).collect(),
+            levels: std::iter::once(rho).chain(coarser).map(Ring::new).collect(),
         }
     }
 

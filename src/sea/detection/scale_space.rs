@@ -43,11 +43,13 @@ pub struct ScaleSpace {
 /// What is known at one spacing.
 struct Level {
     step: usize,
-    first: usize,            // scale of row 1, steps; row 0 is the envelope
-    sought: [usize; 2],      // first and last scale at which minima are sought, steps; none if first > last
-    kernels: Vec<Vec<f64>>,  // (rows)(n/step) transform of k_s over n, real since k_s is even
-    rows: Vec<Vec<[f64; 8]>>, // (rows)(n/step) row 0 m, the others units of 1e-8 m
+    first: usize,             // scale of the first row, steps
+    sought: [usize; 2],       // first and last scale at which minima are sought, steps; none if first > last
     inverse: Transform,
+    kernels: Vec<Vec<f64>>,   // (rows)(n/step) transform of k_s over n, real since k_s is even
+    rows: Vec<Vec<[f64; 8]>>, // (rows)(n/step) D, units of 1e-8 m; an even number of rows
+    pass: [Vec<f64>; 2],      // (n/step) 1/n for the modes that the level has, and nothing
+    rho: Vec<Vec<f64>>,       // (lanes)(n/step) the envelopes without the other modes, m; none on the first level
 }
 
 impl ScaleSpace {
@@ -80,18 +82,15 @@ impl ScaleSpace {
 
     /// D of one field at sample j and scale s, rounded to 8 decimals, m; None if no level has that point.
     pub fn response(&self, lane: usize, j: usize, s: usize) -> Option<f64> {
-        let level = self.levels.iter().find(|level| {
-            let w = s / level.step;
-            j % level.step == 0 && s % level.step == 0 && w >= level.first && w - level.first + 1 < level.rows.len()
-        })?;
-        let row = &level.rows[s / level.step - level.first + 1];
-        Some(row[j / level.step][lane] / DECIMALS)
+        let has = |level: &&Level| j % level.step == 0 && s % level.step == 0 && s / level.step >= level.first;
+        let mut levels = self.levels.iter().filter(has);
+        let value = |level: &Level| Some(level.rows.get(s / level.step - level.first)?[j / level.step][lane]);
+        Some(levels.find_map(value)? / DECIMALS)
     }
 
-    /// One field's envelopes at the spacings 1, 2, 4, ...: (levels)(n/step) m.
-    pub fn envelopes(&self, lane: usize) -> Vec<Vec<f64>> {
-        let of = |level: &Level| level.rows[0].iter().map(|sample| sample[lane]).collect();
-        self.levels.iter().map(of).collect()
+    /// One field's envelopes at the spacings 2, 4, ...: (levels)(n/step) m.
+    pub fn envelopes(&self, lane: usize) -> impl Iterator<Item = &[f64]> {
+        self.levels[1..].iter().map(move |level| level.rho[lane].as_slice())
     }
 
     /// The seeds of each lane: the minima of the grid, levels and scales ascending.
@@ -110,36 +109,53 @@ impl Level {
         let last = last.min(scales.saturating_sub(2) / step);
         // The margins hold the neighbours of what is sought: two on every side on the first level, else one.
         let (first, margin) = if step == 1 { (FINEST, 2) } else { (first, 1) };
-        let kernel = |w: usize| (0..n / step).map(|m| response_to(m, n, step, (w * step) as f64)).collect();
-        let envelope = (0..n / step).map(|m| passed(m, n, step)).collect();
-        let responses = (first - margin..=last + margin).filter(|_| first <= last).map(kernel);
-        let kernels: Vec<_> = std::iter::once(envelope).chain(responses).collect();
+        let rows = if first > last { 0 } else { (last - first + 1 + 2 * margin).next_multiple_of(2) };
+        let length = n / step;
+        let kernel = |row: usize| {
+            let s = (first - margin + row) * step;
+            (0..length).map(|m| response_to(m, n, step, s as f64)).collect()
+        };
+        let lanes = if step == 1 { 0 } else { WIDTH };
         Self {
             step,
             first: first - margin,
             sought: [first, last],
-            rows: vec![vec![[0.0; WIDTH]; n / step]; kernels.len()],
-            kernels,
-            inverse: Transform::inverse(n / step),
+            inverse: Transform::inverse(length),
+            kernels: (0..rows).map(kernel).collect(),
+            rows: vec![vec![[0.0; WIDTH]; length]; rows],
+            pass: [(0..length).map(|m| passed(m, n, step)).collect(), vec![0.0; length]],
+            rho: vec![vec![0.0; length]; lanes],
         }
     }
 
-    /// Computes all rows from the spectrum of the envelopes.
+    /// Computes all rows and envelopes from the spectrum of the envelopes.
     fn fill(&mut self, spectrum: &[Complex<Lanes>], scratch: &mut Vec<Complex<Lanes>>) {
         let mut buffer = vec![Complex::zero(); spectrum.len() / self.step];
-        // The rows are real: two share a transform, as its real and imaginary part.
-        for (pair, (kernels, rows)) in self.kernels.chunks(2).zip(self.rows.chunks_mut(2)).enumerate() {
+        let mut transform = |kernels: [&[f64]; 2], buffer: &mut [Complex<Lanes>]| {
             dispatch(Multiply {
                 spectrum,
                 kernels,
-                out: &mut buffer,
+                out: buffer,
             });
-            self.inverse.process(&mut buffer, scratch);
+            self.inverse.process(buffer, scratch);
+        };
+        // The rows are real: two share a transform, as its real and imaginary part.
+        for (kernels, rows) in self.kernels.chunks_exact(2).zip(self.rows.chunks_exact_mut(2)) {
+            transform([&kernels[0], &kernels[1]], &mut buffer);
+            let (first, second) = rows.split_at_mut(1);
             dispatch(Store {
                 buffer: &buffer,
-                rows,
-                exact: pair == 0,
+                first: &mut first[0],
+                second: &mut second[0],
             });
+        }
+        if !self.rho.is_empty() {
+            transform([&self.pass[0], &self.pass[1]], &mut buffer);
+        }
+        for (lane, rho) in self.rho.iter_mut().enumerate() {
+            for (rho, z) in rho.iter_mut().zip(&buffer) {
+                *rho = z.re.0[lane];
+            }
         }
     }
 
@@ -178,7 +194,7 @@ fn response_to(m: usize, n: usize, step: usize, s: f64) -> f64 {
 /// The level's part of the spectrum times K_1 + i K_2.
 struct Multiply<'a> {
     spectrum: &'a [Complex<Lanes>],
-    kernels: &'a [Vec<f64>],
+    kernels: [&'a [f64]; 2],
     out: &'a mut [Complex<Lanes>],
 }
 
@@ -187,26 +203,33 @@ impl Kernel for Multiply<'_> {
 
     #[inline(always)]
     fn run(self) {
-        let first = &self.kernels[0];
-        let second = self.kernels.get(1);
         let (length, half) = (self.out.len(), self.out.len() / 2);
         let skipped = self.spectrum.len() - length;
-        for (m, out) in self.out.iter_mut().enumerate() {
-            let z = &self.spectrum[if m <= half { m } else { m + skipped }];
-            let (a, b) = (first[m], second.map_or(0.0, |k| k[m]));
-            for i in 0..WIDTH {
-                out.re.0[i] = z.re.0[i] * a - z.im.0[i] * b;
-                out.im.0[i] = z.re.0[i] * b + z.im.0[i] * a;
-            }
+        let (low, high) = self.out.split_at_mut(half + 1);
+        let [first, second] = self.kernels.map(|kernel| kernel.split_at(low.len()));
+        multiply(&self.spectrum[..], first.0, second.0, low);
+        multiply(&self.spectrum[half + 1 + skipped..], first.1, second.1, high);
+    }
+}
+
+#[inline(always)]
+fn multiply(spectrum: &[Complex<Lanes>], first: &[f64], second: &[f64], out: &mut [Complex<Lanes>]) {
+    for (((z, a), b), out) in spectrum.iter().zip(first).zip(second).zip(out) {
+        let (re, im) = (z.re.0, z.im.0);
+        for i in 0..WIDTH {
+            out.re.0[i] = re[i] * a - im[i] * b;
+        }
+        for i in 0..WIDTH {
+            out.im.0[i] = re[i] * b + im[i] * a;
         }
     }
 }
 
-/// Real and imaginary part to one row each; responses in whole units of 1e-8 m.
+/// Real and imaginary part to one row each, in whole units of 1e-8 m.
 struct Store<'a> {
     buffer: &'a [Complex<Lanes>],
-    rows: &'a mut [Vec<[f64; WIDTH]>],
-    exact: bool, // the first row is the envelope
+    first: &'a mut [[f64; WIDTH]],
+    second: &'a mut [[f64; WIDTH]],
 }
 
 impl Kernel for Store<'_> {
@@ -214,14 +237,12 @@ impl Kernel for Store<'_> {
 
     #[inline(always)]
     fn run(self) {
-        let parts = [|z: &Complex<Lanes>| z.re.0, |z: &Complex<Lanes>| z.im.0];
-        for (i, (row, part)) in self.rows.iter_mut().zip(parts).enumerate() {
-            let exact = self.exact && i == 0;
-            for (d, z) in row.iter_mut().zip(self.buffer) {
-                *d = part(z);
-                if !exact {
-                    *d = d.map(|x| (x * DECIMALS + ROUND) - ROUND);
-                }
+        for ((z, first), second) in self.buffer.iter().zip(self.first).zip(self.second) {
+            for i in 0..WIDTH {
+                first[i] = (z.re.0[i] * DECIMALS + ROUND) - ROUND;
+            }
+            for i in 0..WIDTH {
+                second[i] = (z.im.0[i] * DECIMALS + ROUND) - ROUND;
             }
         }
     }
@@ -244,22 +265,25 @@ impl Kernel for Scan<'_> {
     fn run(self) {
         let level = self.level;
         for w in level.sought[0]..=level.sought[1] {
-            let at = w - level.first + 1;
+            let at = w - level.first;
             let (finer, row, coarser) = (&level.rows[at - 1], &level.rows[at], &level.rows[at + 1]);
             let n = row.len();
             for j in 0..n {
                 let left = &row[if j == 0 { n - 1 } else { j - 1 }];
                 let right = &row[if j + 1 == n { 0 } else { j + 1 }];
-                let mut passes = [false; WIDTH];
+                let (above, below) = (&finer[j], &coarser[j]);
+                // No branches within: all lanes are compared at once.
+                let mut passes = [0_u64; WIDTH];
                 for i in 0..WIDTH {
                     let c = row[j][i];
-                    passes[i] = c < left[i] && c <= right[i] && c < finer[j][i] && c <= coarser[j][i];
+                    let is = (c < left[i]) & (c <= right[i]) & (c < above[i]) & (c <= below[i]);
+                    passes[i] = u64::from(is);
                 }
-                if passes == [false; WIDTH] {
+                if passes.iter().fold(0, |any, passes| any | passes) == 0 {
                     continue;
                 }
                 for i in 0..WIDTH {
-                    if passes[i] && (level.step > 1 || level.is_first_of_25(at, j, i)) {
+                    if passes[i] == 1 && (level.step > 1 || level.is_first_of_25(at, j, i)) {
                         self.seeds[i].push(Seed {
                             x: (j * level.step) as f64,
                             s: (w * level.step) as f64,
