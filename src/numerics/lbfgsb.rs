@@ -16,6 +16,9 @@ const CURVATURE: f64 = 0.9;
 /// Evaluations of one line search.
 const SEARCH_LIMIT: u32 = 24;
 
+/// A bracket is too narrow to go on with if it promises less than this share of the least decrease that counts.
+const NARROW: f64 = 0.1;
+
 /// When to stop, and how many pairs to keep.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settings {
@@ -99,6 +102,8 @@ pub struct Descent<V> {
     t: f64,
     trial: V,
     attempt: u32,
+    /// Whether the bracket holds no decrease that counts.
+    narrow: bool,
     /// The lowest point so far with sufficient decrease, in case the search ends without the curvature condition.
     best: V,
     best_gradient: V,
@@ -137,6 +142,7 @@ impl<V: Point> Descent<V> {
             trial: x.clone(),
             x,
             attempt: 0,
+            narrow: false,
             best: zero.clone(),
             best_gradient: zero,
             iterations: 0,
@@ -255,7 +261,7 @@ impl<V: Point> Descent<V> {
                 value: self.value,
                 slope: dot(&self.gradient, &self.direction),
             };
-            (self.low, self.high, self.attempt) = (self.start, None, 0);
+            (self.low, self.high, self.attempt, self.narrow) = (self.start, None, 0, false);
             self.t = if self.memory.is_empty() {
                 1.0 / dot(&self.direction, &self.direction).sqrt()
             } else {
@@ -299,11 +305,20 @@ impl<V: Point> Descent<V> {
                 return true;
             }
         }
-        self.t = match self.high {
-            None => 4.0 * self.t,
-            Some(high) => between(self.low, high, self.attempt % 3 == 2),
+        let Some(high) = self.high else {
+            self.t *= 4.0;
+            return false;
         };
-        false
+        self.t = between(self.low, high, self.attempt % 3 == 2);
+        // Near a jump of the objective no point has the curvature: stop where the rest is not worth it.
+        self.narrow = (high.t - self.low.t) * self.low.slope.abs() <= NARROW * self.worth();
+        self.narrow
+    }
+
+    /// The least decrease that counts.
+    fn worth(&self) -> f64 {
+        let scale = if self.value.abs() > 1.0 { self.value.abs() } else { 1.0 };
+        self.settings.value_tolerance * scale
     }
 
     /// The slope along the path at the trial point, and the decrease gᵀ(x(t) - x(0)) that the first gradient predicts.
@@ -323,6 +338,10 @@ impl<V: Point> Descent<V> {
 
     /// Moves to the best point of the search and remembers the step; whether there is anything left to try.
     fn close_search(&mut self) -> bool {
+        if self.low.t == 0.0 && self.narrow {
+            self.converged = true;
+            return true;
+        }
         if self.low.t == 0.0 {
             let exhausted = self.memory.is_empty() || self.evaluations >= self.settings.max_evaluations;
             self.memory.clear();
@@ -334,9 +353,8 @@ impl<V: Point> Descent<V> {
         std::mem::swap(&mut self.gradient, &mut self.best_gradient);
         self.value = self.low.value;
         self.iterations += 1;
-        let scale = if self.value.abs() > 1.0 { self.value.abs() } else { 1.0 };
         self.converged = self.projected_gradient() <= self.settings.gradient_tolerance
-            || self.start.value - self.value <= self.settings.value_tolerance * scale;
+            || self.start.value - self.value <= self.worth();
         true
     }
 }

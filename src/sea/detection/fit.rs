@@ -50,13 +50,18 @@ pub struct Candidate {
 }
 
 /// Step (3): a seed as a candidate with l_0 = s/sqrt 2 and A_0 = max rho, if the envelope resembles it at all.
+///
+/// One whose bounds keep every fit from being long or high enough is dropped too.
 pub fn precheck(rho: Ring, seed: Seed, d: &Detection) -> Option<Candidate> {
     let l = seed.s / std::f64::consts::SQRT_2;
-    if l <= SHORTEST_FIT {
+    if l <= SHORTEST_FIT || longest(l, d) <= d.shortest {
         return None;
     }
     let window = Window::around(seed.x, PRECHECK_REACH * l);
     let a = largest(rho, window);
+    if a <= 0.0 || AMPLITUDE_RANGE[1] * a <= d.smallest_amplitude {
+        return None;
+    }
     let start = Candidate {
         x: seed.x,
         l,
@@ -68,8 +73,14 @@ pub fn precheck(rho: Ring, seed: Seed, d: &Detection) -> Option<Candidate> {
         window,
         group: start,
     });
-    let close = a > 0.0 && size > 0.0 && 1.0 - (distance / size).sqrt() > d.precheck_threshold;
+    let close = size > 0.0 && 1.0 - (distance / size).sqrt() > d.precheck_threshold;
     close.then_some(start)
+}
+
+/// The greatest length that a fit from l_0 may find.
+fn longest(l_0: f64, d: &Detection) -> f64 {
+    let longest = LENGTH_RANGE * l_0;
+    if longest > d.longest { d.longest } else { longest }
 }
 
 fn largest(rho: Ring, window: Window) -> f64 {
@@ -118,10 +129,8 @@ pub fn fit(rho: Ring, starts: &[Candidate], d: &Detection) -> Vec<Candidate> {
 
 /// The bounded minimisation of 1 - C from one start.
 fn descent(start: &Candidate, d: &Detection) -> Descent<[f64; 3]> {
-    let longest = LENGTH_RANGE * start.l;
-    let longest = if longest > d.longest { d.longest } else { longest };
     let lower = [start.x - CENTRE_REACH, SHORTEST_FIT, AMPLITUDE_RANGE[0] * start.a];
-    let upper = [start.x + CENTRE_REACH, longest, AMPLITUDE_RANGE[1] * start.a];
+    let upper = [start.x + CENTRE_REACH, longest(start.l, d), AMPLITUDE_RANGE[1] * start.a];
     Descent::new([start.x, start.l, start.a], lower, upper, &FIT)
 }
 
@@ -161,18 +170,17 @@ impl Kernel for Distance<'_> {
         }
         for first in (self.window.first..=self.window.last).step_by(WIDTH) {
             let rho = self.rho.chunk(first);
-            let mut power = [0.0; WIDTH];
+            let (mut u, mut power) = ([0.0; WIDTH], [0.0; WIDTH]);
             for i in 0..WIDTH {
-                let u = (j[i] - x) * per_l;
-                power[i] = -0.5 * (u * u);
+                u[i] = (j[i] - x) * per_l;
+                power[i] = -0.5 * (u[i] * u[i]);
             }
             let g = elementary::exp_lanes(power);
             for i in 0..WIDTH {
-                let inside = if j[i] <= last { 1.0 } else { 0.0 };
-                let m = a * g[i];
-                let gap = rho[i] - m;
-                distance[i] += inside * (gap * gap);
-                size[i] += inside * (m * m);
+                let m = if j[i] <= last { a * g[i] } else { 0.0 };
+                let gap = if j[i] <= last { rho[i] - m } else { 0.0 };
+                distance[i] += gap * gap;
+                size[i] += m * m;
                 j[i] += WIDTH as f64;
             }
         }
