@@ -57,43 +57,21 @@ pub fn precheck(rho: Ring, seed: Seed, d: &Detection) -> Option<Candidate> {
     if l <= SHORTEST_FIT || longest(l, d) <= d.shortest {
         return None;
     }
-    let window = Window::around(seed.x, PRECHECK_REACH * l);
-    let a = largest(rho, window);
-    if a <= 0.0 || AMPLITUDE_RANGE[1] * a <= d.smallest_amplitude {
-        return None;
-    }
-    let start = Candidate {
+    let (a, distance, size) = dispatch(Resemblance { rho, x: seed.x, l });
+    let high = AMPLITUDE_RANGE[1] * a > d.smallest_amplitude;
+    let close = size > 0.0 && 1.0 - (distance / size).sqrt() > d.precheck_threshold;
+    (high && close).then_some(Candidate {
         x: seed.x,
         l,
         a,
         similarity: 0.0,
-    };
-    let (distance, size) = dispatch(Distance {
-        rho,
-        window,
-        group: start,
-    });
-    let close = size > 0.0 && 1.0 - (distance / size).sqrt() > d.precheck_threshold;
-    close.then_some(start)
+    })
 }
 
 /// The greatest length that a fit from l_0 may find.
 fn longest(l_0: f64, d: &Detection) -> f64 {
     let longest = LENGTH_RANGE * l_0;
     if longest > d.longest { d.longest } else { longest }
-}
-
-fn largest(rho: Ring, window: Window) -> f64 {
-    let mut most = 0.0;
-    for first in (window.first..=window.last).step_by(WIDTH) {
-        let used = (window.last - first + 1).min(WIDTH as i64) as usize;
-        for value in &rho.chunk(first)[..used] {
-            if *value > most {
-                most = *value;
-            }
-        }
-    }
-    most
 }
 
 /// Step (4): maximises (G1) over (x, l, A) within bounds around each start; then C in the fitted group's own window.
@@ -149,41 +127,47 @@ pub fn postcheck(group: &Candidate, d: &Detection) -> bool {
     group.similarity > d.similarity_threshold && group.l > d.shortest && group.a > d.smallest_amplitude
 }
 
-/// The squares of the norms of rho - A G and of A G over a window.
-struct Distance<'a> {
+/// A_0 and the squares of the norms of rho - A_0 G and of A_0 G over the pre-check's window.
+struct Resemblance<'a> {
     rho: Ring<'a>,
-    window: Window,
-    group: Candidate,
+    x: f64,
+    l: f64,
 }
 
-impl Kernel for Distance<'_> {
-    type Output = (f64, f64);
+impl Kernel for Resemblance<'_> {
+    type Output = (f64, f64, f64);
 
     #[inline(always)]
     fn run(self) -> Self::Output {
-        let Candidate { x, l, a, .. } = self.group;
-        let (last, per_l) = (self.window.last as f64, 1.0 / l);
+        let window = Window::around(self.x, PRECHECK_REACH * self.l);
+        let mut scratch = Vec::new();
+        let rho = self.rho.chunks(window, &mut scratch);
+        let mut a = 0.0;
+        for value in &rho.as_flattened()[..window.count() as usize] {
+            a = if *value > a { *value } else { a };
+        }
+        let (last, per_l) = (window.last as f64, 1.0 / self.l);
         let (mut distance, mut size) = ([0.0; WIDTH], [0.0; WIDTH]);
         let mut j = [0.0; WIDTH];
         for i in 0..WIDTH {
-            j[i] = self.window.first as f64 + i as f64;
+            j[i] = window.first as f64 + i as f64;
         }
-        for first in (self.window.first..=self.window.last).step_by(WIDTH) {
-            let rho = self.rho.chunk(first);
+        for &rho in rho {
             let (mut u, mut power) = ([0.0; WIDTH], [0.0; WIDTH]);
             for i in 0..WIDTH {
-                u[i] = (j[i] - x) * per_l;
+                u[i] = (j[i] - self.x) * per_l;
                 power[i] = -0.5 * (u[i] * u[i]);
             }
             let g = elementary::exp_lanes(power);
             for i in 0..WIDTH {
-                let m = if j[i] <= last { a * g[i] } else { 0.0 };
-                let gap = if j[i] <= last { rho[i] - m } else { 0.0 };
+                let inside = j[i] <= last;
+                let m = if inside { a * g[i] } else { 0.0 };
+                let gap = if inside { rho[i] - m } else { 0.0 };
                 distance[i] += gap * gap;
                 size[i] += m * m;
                 j[i] += WIDTH as f64;
             }
         }
-        (total(distance), total(size))
+        (a, total(distance), total(size))
     }
 }

@@ -155,8 +155,8 @@ impl Kernel for Moments<'_> {
             j[i] = window.first as f64 + i as f64;
         }
         // The last eight may reach past the window, where the summands are nothing.
-        for first in (window.first..=window.last).step_by(WIDTH) {
-            let rho = self.rho.chunk(first);
+        let mut scratch = Vec::new();
+        for &rho in self.rho.chunks(window, &mut scratch) {
             let (mut nu, mut power) = ([0.0; WIDTH], [0.0; WIDTH]);
             for i in 0..WIDTH {
                 nu[i] = (self.x - j[i]) * per_s;

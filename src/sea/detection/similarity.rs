@@ -50,13 +50,20 @@ pub fn similarities(rho: Ring, asked: &[Comparison], found: &mut Vec<Similarity>
         slope: [0.0; 3],
     };
     found.resize(asked.len(), none);
-    dispatch(All { rho, asked, found });
+    let scratch = &mut Vec::new();
+    dispatch(All {
+        rho,
+        asked,
+        found,
+        scratch,
+    });
 }
 
 struct All<'a> {
     rho: Ring<'a>,
     asked: &'a [Comparison],
     found: &'a mut [Similarity],
+    scratch: &'a mut Vec<f64>,
 }
 
 impl Kernel for All<'_> {
@@ -65,13 +72,13 @@ impl Kernel for All<'_> {
     #[inline(always)]
     fn run(self) {
         for (asked, found) in self.asked.iter().zip(self.found) {
-            *found = compare(self.rho, asked);
+            *found = compare(self.rho, asked, self.scratch);
         }
     }
 }
 
 #[inline(always)]
-fn compare(rho: Ring, asked: &Comparison) -> Similarity {
+fn compare(rho: Ring, asked: &Comparison, scratch: &mut Vec<f64>) -> Similarity {
     let Comparison { x, l, a, reach } = *asked;
     let window = Window::around(x, reach);
     let (last, per_l) = (window.last as f64, 1.0 / l);
@@ -80,8 +87,7 @@ fn compare(rho: Ring, asked: &Comparison) -> Similarity {
     for i in 0..WIDTH {
         j[i] = window.first as f64 + i as f64;
     }
-    for first in (window.first..=window.last).step_by(WIDTH) {
-        let rho = rho.chunk(first);
+    for &rho in rho.chunks(window, scratch) {
         let (mut u, mut power) = ([0.0; WIDTH], [0.0; WIDTH]);
         for i in 0..WIDTH {
             u[i] = (j[i] - x) * per_l;
