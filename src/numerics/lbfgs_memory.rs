@@ -125,7 +125,11 @@ impl<V: Point> Memory<V> {
     /// The slot of the pair stored `age` pairs ago.
     fn slot(&self, age: usize) -> usize {
         let newest = self.next + self.pairs.len() - 1 - age;
-        if newest < self.pairs.len() { newest } else { newest - self.pairs.len() }
+        if newest < self.pairs.len() {
+            newest
+        } else {
+            newest - self.pairs.len()
+        }
     }
 }
 

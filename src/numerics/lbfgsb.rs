@@ -249,7 +249,12 @@ impl<V: Point> Descent<V> {
 
     /// Whether variable i is at a bound and `move_by` points out of the box.
     fn leaves(&self, i: usize, move_by: f64) -> bool {
-        leaves(self.x.as_ref()[i], self.lower.as_ref()[i], self.upper.as_ref()[i], move_by)
+        leaves(
+            self.x.as_ref()[i],
+            self.lower.as_ref()[i],
+            self.upper.as_ref()[i],
+            move_by,
+        )
     }
 
     /// Starts a line search unless the minimisation is over; whether its first point is to be evaluated.
@@ -293,7 +298,11 @@ impl<V: Point> Descent<V> {
     /// Narrows the bracket by the trial point and chooses the next t; whether the search has ended well.
     fn judge(&mut self, value: f64, gradient: &V) -> bool {
         let (slope, decrease) = self.along_path(gradient);
-        let end = End { t: self.t, value, slope };
+        let end = End {
+            t: self.t,
+            value,
+            slope,
+        };
         let failed = !(end.value.is_finite() && end.slope.is_finite());
         if failed || end.value > self.start.value + SUFFICIENT_DECREASE * decrease || decrease >= 0.0 {
             self.high = Some(end);

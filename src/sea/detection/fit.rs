@@ -28,7 +28,7 @@ const LENGTH_RANGE: f64 = 1.3;
 /// Least and greatest amplitude of a fit, in A_0.
 const AMPLITUDE_RANGE: [f64; 2] = [0.95, 1.1];
 /// The fit's limits; the tolerances are those usual for L-BFGS-B.
-const FIT: Settings = Settings {
+pub const FIT: Settings = Settings {
     memory: 10,
     max_iterations: 100,
     max_evaluations: 400,
@@ -94,7 +94,10 @@ pub fn fit(rho: Ring, starts: &[Candidate], d: &Detection) -> Vec<Candidate> {
     }
     let best: Vec<_> = descents.into_iter().map(Descent::minimum).collect();
     asked.clear();
-    asked.extend(best.iter().map(|best| compared([best.x[0], best.x[1], best.x[2]], best.x[1])));
+    asked.extend(
+        best.iter()
+            .map(|best| compared([best.x[0], best.x[1], best.x[2]], best.x[1])),
+    );
     similarities(rho, &asked, &mut found);
     let group = |(at, answer): (&Comparison, &Similarity)| Candidate {
         x: at.x,
@@ -108,7 +111,11 @@ pub fn fit(rho: Ring, starts: &[Candidate], d: &Detection) -> Vec<Candidate> {
 /// The bounded minimisation of 1 - C from one start.
 fn descent(start: &Candidate, d: &Detection) -> Descent<[f64; 3]> {
     let lower = [start.x - CENTRE_REACH, SHORTEST_FIT, AMPLITUDE_RANGE[0] * start.a];
-    let upper = [start.x + CENTRE_REACH, longest(start.l, d), AMPLITUDE_RANGE[1] * start.a];
+    let upper = [
+        start.x + CENTRE_REACH,
+        longest(start.l, d),
+        AMPLITUDE_RANGE[1] * start.a,
+    ];
     Descent::new([start.x, start.l, start.a], lower, upper, &FIT)
 }
 

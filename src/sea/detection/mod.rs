@@ -25,8 +25,8 @@ use crate::numerics::fourier::WIDTH;
 use crate::sea::envelope::Envelopes;
 use crate::sea::wave_group::{Groups, WaveGroup};
 use fit::Candidate;
-use ring::Ring;
 use refine::{Pyramid, Seed};
+use ring::Ring;
 use scale_space::ScaleSpace;
 use serde::{Deserialize, Serialize};
 
@@ -110,8 +110,10 @@ pub fn detect(rho: &Envelopes, d: &Detection) -> Groups {
 }
 
 /// Step (2) for one field: the minima to which its seeds lead, each once, sorted by x.
-pub fn minima(pyramid: &Pyramid, seeds: &[Seed]) -> Vec<Seed> {
-    let refined = seeds.iter().filter_map(|seed| pyramid.refine(*seed, fit::SHORTEST_SEED));
+fn minima(pyramid: &Pyramid, seeds: &[Seed]) -> Vec<Seed> {
+    let refined = seeds
+        .iter()
+        .filter_map(|seed| pyramid.refine(*seed, fit::SHORTEST_SEED));
     let mut minima: Vec<Seed> = refined.collect();
     minima.sort_by(|p, q| p.x.total_cmp(&q.x));
     minima.dedup_by(|q, p| (q.x - p.x).abs() < SAME * p.s && (q.s - p.s).abs() < SAME * p.s);

@@ -25,7 +25,9 @@ const CONVERGED: f64 = 1e-6;
 /// Longest step, in s.
 const LONGEST_STEP: f64 = 0.25;
 /// Least eigenvalue of the Hessian of a step, as a share of the greatest.
-const LEAST_BEND: f64 = 0.05;
+const LEAST_BEND: f64 = 1e-3;
+/// A rise of D by this share of it is no rise.
+const ROUNDING: f64 = 1e-14;
 /// Most evaluations of D for one seed.
 const EVALUATIONS: u32 = 100;
 
@@ -106,7 +108,7 @@ impl<'a> Pyramid<'a> {
                 return Some(next);
             }
             let there = self.response(next);
-            if there.d < here.d {
+            if there.d - here.d <= ROUNDING * here.d.abs() {
                 (at, here, share) = (next, there, 1.0);
             } else {
                 share *= 0.5;
@@ -123,7 +125,11 @@ fn newton_step(response: &Response, s: f64) -> [f64; 2] {
     let (mean, half) = (0.5 * (xx + ss), 0.5 * (xx - ss));
     let spread = (half * half + xs * xs).sqrt();
     let (low, high) = (mean - spread, mean.abs() + spread);
-    let shift = if low < LEAST_BEND * high { LEAST_BEND * high - low } else { 0.0 };
+    let shift = if low < LEAST_BEND * high {
+        LEAST_BEND * high - low
+    } else {
+        0.0
+    };
     let (xx, ss) = (xx + shift, ss + shift);
     let determinant = xx * ss - xs * xs;
     if !(determinant > 0.0) {
@@ -132,7 +138,11 @@ fn newton_step(response: &Response, s: f64) -> [f64; 2] {
     let step = [(xs * gs - ss * gx) / determinant, (xs * gx - xx * gs) / determinant];
     let size = (step[0] * step[0] + step[1] * step[1]).sqrt();
     let most = LONGEST_STEP * s;
-    if size > most { step.map(|v| v * (most / size)) } else { step }
+    if size > most {
+        step.map(|v| v * (most / size))
+    } else {
+        step
+    }
 }
 
 /// M_0 to M_6 over the samples of one level, x and s in its spacing.

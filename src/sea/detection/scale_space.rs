@@ -27,9 +27,9 @@ pub const DECIMALS: f64 = 1e8;
 const ROUND: f64 = 6_755_399_441_055_744.0;
 /// The first and the last scale of a level at which minima are sought, in steps; the first level begins at 3.
 const SOUGHT: [usize; 2] = [8, 15];
-/// The first scale at which minima are sought, samples.
+/// The first scale at which minima are sought, samples: finer ones are too short for a fit.
 const FINEST: usize = 4;
-/// Least scale at which a level's envelope will do, in steps.
+/// Least scale that a level's envelope serves, in steps.
 const LEAST: usize = 4;
 
 /// The response of up to eight fields side by side, and their envelopes at every level's spacing.
@@ -43,20 +43,22 @@ pub struct ScaleSpace {
 /// What is known at one spacing.
 struct Level {
     step: usize,
-    first: usize,             // scale of the first row, steps
-    sought: [usize; 2],       // first and last scale at which minima are sought, steps; none if first > last
+    first: usize,       // scale of the first row, steps
+    sought: [usize; 2], // first and last scale at which minima are sought, steps; none if first > last
     inverse: Transform,
-    kernels: Vec<Vec<f64>>,   // (rows)(n/step) transform of k_s over n, real since k_s is even
-    rows: Vec<Vec<[f64; 8]>>, // (rows)(n/step) D, units of 1e-8 m; an even number of rows
-    pass: [Vec<f64>; 2],      // (n/step) 1/n for the modes that the level has, and nothing
-    rho: Vec<Vec<f64>>,       // (lanes)(n/step) the envelopes without the other modes, m; none on the first level
+    kernels: Vec<Vec<f64>>,       // (rows)(n/step) transform of k_s over n, real since k_s is even
+    rows: Vec<Vec<[f64; WIDTH]>>, // (rows)(n/step) D, units of 1e-8 m; an even number of rows
+    pass: [Vec<f64>; 2],          // (n/step) 1/n for the modes that the level has, and nothing
+    rho: Vec<Vec<f64>>,           // (lanes)(n/step) the envelopes without the other modes, m; none on the first level
 }
 
 impl ScaleSpace {
     /// Plans responses at s = 1..=scales of envelopes with n samples, a power of two.
     pub fn new(n: usize, scales: u32) -> Self {
         let scales = scales as usize;
-        let steps = (0..).map(|k| 1 << k).take_while(|h| *h == 1 || (LEAST * h <= scales && 4 * h <= n));
+        let steps = (0..)
+            .map(|k| 1 << k)
+            .take_while(|h| *h == 1 || (LEAST * h <= scales && 4 * h <= n));
         Self {
             n,
             forward: Transform::forward(n),
@@ -97,7 +99,10 @@ impl ScaleSpace {
     pub fn seeds(&self) -> [Vec<Seed>; WIDTH] {
         let mut seeds = [const { Vec::new() }; WIDTH];
         for level in &self.levels {
-            dispatch(Scan { level, seeds: &mut seeds });
+            dispatch(Scan {
+                level,
+                seeds: &mut seeds,
+            });
         }
         seeds
     }
@@ -109,7 +114,11 @@ impl Level {
         let last = last.min(scales.saturating_sub(2) / step);
         // The margins hold the neighbours of what is sought: two on every side on the first level, else one.
         let (first, margin) = if step == 1 { (FINEST, 2) } else { (first, 1) };
-        let rows = if first > last { 0 } else { (last - first + 1 + 2 * margin).next_multiple_of(2) };
+        let rows = if first > last {
+            0
+        } else {
+            (last - first + 1 + 2 * margin).next_multiple_of(2)
+        };
         let length = n / step;
         let kernel = |row: usize| {
             let s = (first - margin + row) * step;
@@ -175,7 +184,11 @@ impl Level {
 /// The mode of bin m of a transform of length n/step, and whether the level has it: the Nyquist bin only at step 1.
 fn mode(m: usize, n: usize, step: usize) -> (f64, bool) {
     let length = n / step;
-    let mode = if 2 * m <= length { m as f64 } else { m as f64 - length as f64 };
+    let mode = if 2 * m <= length {
+        m as f64
+    } else {
+        m as f64 - length as f64
+    };
     (mode, step == 1 || 2 * m != length)
 }
 
