@@ -82,31 +82,40 @@ fn compare(rho: Ring, asked: &Comparison, scratch: &mut Vec<f64>) -> Similarity 
     let Comparison { x, l, a, reach } = *asked;
     let window = Window::around(x, reach);
     let (last, per_l) = (window.last as f64, 1.0 / l);
+    let step = WIDTH as f64 * per_l;
+    let [c] = elementary::exp_lanes([-step * step]);
     let mut sums = [[0.0; WIDTH]; 4];
     let mut j = [0.0; WIDTH];
     for i in 0..WIDTH {
         j[i] = window.first as f64 + i as f64;
     }
-    for &rho in rho.chunks(window, scratch) {
-        let (mut u, mut power) = ([0.0; WIDTH], [0.0; WIDTH]);
+    for block in rho.chunks(window, scratch).chunks(WIDTH) {
+        let (mut power, mut ratio) = ([0.0; WIDTH], [0.0; WIDTH]);
         for i in 0..WIDTH {
-            u[i] = (j[i] - x) * per_l;
-            power[i] = -0.5 * (u[i] * u[i]);
+            let u = (j[i] - x) * per_l;
+            power[i] = -0.5 * (u * u);
+            ratio[i] = -step * u - 0.5 * (step * step);
         }
-        let g = elementary::exp_lanes(power);
-        for i in 0..WIDTH {
-            let m = a * g[i];
-            let both = rho[i] + m;
-            let inverse = if j[i] <= last && both > 0.0 { 1.0 / both } else { 0.0 };
-            let gap = (m - rho[i]) * inverse;
-            let product = (inverse * inverse) * (rho[i] * g[i]);
-            let w = if gap > 0.0 { product } else { -product };
-            let w_u = w * u[i];
-            sums[0][i] += gap.abs();
-            sums[1][i] += w;
-            sums[2][i] += w_u;
-            sums[3][i] += w_u * u[i];
-            j[i] += WIDTH as f64;
+        let mut g = elementary::exp_lanes(power);
+        let mut r = elementary::exp_lanes(ratio);
+        for &rho in block {
+            for i in 0..WIDTH {
+                let u = (j[i] - x) * per_l;
+                let m = a * g[i];
+                let both = rho[i] + m;
+                let inverse = if j[i] <= last && both > 0.0 { 1.0 / both } else { 0.0 };
+                let gap = (m - rho[i]) * inverse;
+                let product = (inverse * inverse) * (rho[i] * g[i]);
+                let w = if gap > 0.0 { product } else { -product };
+                let w_u = w * u;
+                sums[0][i] += gap.abs();
+                sums[1][i] += w;
+                sums[2][i] += w_u;
+                sums[3][i] += w_u * u;
+                j[i] += WIDTH as f64;
+                g[i] *= r[i];
+                r[i] *= c;
+            }
         }
     }
     let per_sample = 1.0 / window.count();
