@@ -5,10 +5,10 @@
 //! nearby local maximum, not the greatest. Tested on planted groups and against fits one at a time in `tests/physics/detection.rs`.
 
 use super::Detection;
+use super::bell::{BLOCK, Bell};
 use super::refine::Seed;
 use super::ring::{Ring, Window, total};
 use super::similarity::{Comparison, Similarity, similarities};
-use crate::numerics::elementary;
 use crate::numerics::fourier::WIDTH;
 use crate::numerics::lanes::{Kernel, dispatch};
 use crate::numerics::lbfgsb::{Descent, Settings};
@@ -153,26 +153,25 @@ impl Kernel for Resemblance<'_> {
         for value in &rho.as_flattened()[..window.count() as usize] {
             a = if *value > a { *value } else { a };
         }
-        let (last, per_l) = (window.last as f64, 1.0 / self.l);
+        let (last, bell) = (window.last as f64, Bell::new(self.x, 1.0 / self.l));
         let (mut distance, mut size) = ([0.0; WIDTH], [0.0; WIDTH]);
         let mut j = [0.0; WIDTH];
         for i in 0..WIDTH {
             j[i] = window.first as f64 + i as f64;
         }
-        for &rho in rho {
-            let (mut u, mut power) = ([0.0; WIDTH], [0.0; WIDTH]);
-            for i in 0..WIDTH {
-                u[i] = (j[i] - self.x) * per_l;
-                power[i] = -0.5 * (u[i] * u[i]);
-            }
-            let g = elementary::exp_lanes(power);
-            for i in 0..WIDTH {
-                let inside = j[i] <= last;
-                let m = if inside { a * g[i] } else { 0.0 };
-                let gap = if inside { rho[i] - m } else { 0.0 };
-                distance[i] += gap * gap;
-                size[i] += m * m;
-                j[i] += WIDTH as f64;
+        for block in rho.chunks(BLOCK) {
+            let (mut g, mut r) = bell.start(j);
+            for &rho in block {
+                for i in 0..WIDTH {
+                    let inside = j[i] <= last;
+                    let m = if inside { a * g[i] } else { 0.0 };
+                    let gap = if inside { rho[i] - m } else { 0.0 };
+                    distance[i] += gap * gap;
+                    size[i] += m * m;
+                    j[i] += WIDTH as f64;
+                    g[i] *= r[i];
+                    r[i] *= bell.c();
+                }
             }
         }
         (a, total(distance), total(size))

@@ -13,6 +13,7 @@
 //! The steps: (1) coarse scale space in `scale_space`, (2) refinement in `refine`; (3) pre-check, (4) fit, (5) post-check
 //! in `fit`; (6) removal of overlaps in `prune`; (7) units here. Tested in `tests/physics/detection.rs`.
 
+pub mod bell;
 pub mod fit;
 pub mod prune;
 pub mod refine;
@@ -102,7 +103,7 @@ pub fn detect(rho: &Envelopes, d: &Detection) -> Groups {
     for block in rho.rho.chunks(WIDTH) {
         space.fill(block);
         for (lane, (field, seeds)) in block.iter().zip(space.seeds()).enumerate() {
-            let minima = minima(&Pyramid::new(field, space.envelopes(lane)), &seeds);
+            let minima = minima(&Pyramid::new(field, space.envelopes(lane)), &seeds, d);
             fields.push(groups_of(Ring::new(field), &minima, rho.spacing, d));
         }
     }
@@ -110,11 +111,13 @@ pub fn detect(rho: &Envelopes, d: &Detection) -> Groups {
 }
 
 /// Step (2) for one field: the minima to which its seeds lead, each once, sorted by x.
-fn minima(pyramid: &Pyramid, seeds: &[Seed]) -> Vec<Seed> {
+fn minima(pyramid: &Pyramid, seeds: &[Seed], d: &Detection) -> Vec<Seed> {
+    // What rounds to a scale above `scales` - 2 has no full neighbourhood among the scales sought.
+    let longest = f64::from(d.scales) - 1.5;
     let refined = seeds
         .iter()
         .filter_map(|seed| pyramid.refine(*seed, fit::SHORTEST_SEED));
-    let mut minima: Vec<Seed> = refined.collect();
+    let mut minima: Vec<Seed> = refined.filter(|seed| seed.s <= longest).collect();
     minima.sort_by(|p, q| p.x.total_cmp(&q.x));
     minima.dedup_by(|q, p| (q.x - p.x).abs() < SAME * p.s && (q.s - p.s).abs() < SAME * p.s);
     minima

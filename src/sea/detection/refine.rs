@@ -11,8 +11,8 @@
 //! Newton's steps from the grid's minimum; where D is not convex its Hessian is shifted until it is. Tested against
 //! the direct sum, finite differences and a quasi-Newton method in `tests/physics/detection.rs`.
 
+use super::bell::{BLOCK, Bell};
 use super::ring::{Ring, Window, total};
-use crate::numerics::elementary;
 use crate::numerics::fourier::WIDTH;
 use crate::numerics::lanes::{Kernel, dispatch};
 
@@ -132,7 +132,7 @@ fn newton_step(response: &Response, s: f64) -> [f64; 2] {
     };
     let (xx, ss) = (xx + shift, ss + shift);
     let determinant = xx * ss - xs * xs;
-    if !(determinant > 0.0) {
+    if determinant.is_nan() || determinant <= 0.0 {
         return [0.0; 2];
     }
     let step = [(xs * gs - ss * gx) / determinant, (xs * gx - xx * gs) / determinant];
@@ -159,6 +159,7 @@ impl Kernel for Moments<'_> {
     fn run(self) -> Self::Output {
         let window = Window::around(self.x, KERNEL_REACH * self.s);
         let per_s = 1.0 / self.s;
+        let bell = Bell::new(self.x, per_s);
         let mut sums = [[0.0; WIDTH]; 7];
         let mut j = [0.0; WIDTH];
         for i in 0..WIDTH {
@@ -166,28 +167,28 @@ impl Kernel for Moments<'_> {
         }
         // The last eight may reach past the window, where the summands are nothing.
         let mut scratch = Vec::new();
-        for &rho in self.rho.chunks(window, &mut scratch) {
-            let (mut nu, mut power) = ([0.0; WIDTH], [0.0; WIDTH]);
-            for i in 0..WIDTH {
-                nu[i] = (self.x - j[i]) * per_s;
-                power[i] = -0.5 * (nu[i] * nu[i]);
-            }
-            let e = elementary::exp_lanes(power);
-            for i in 0..WIDTH {
-                let m_0 = rho[i] * e[i];
-                let m_1 = m_0 * nu[i];
-                let m_2 = m_1 * nu[i];
-                let m_3 = m_2 * nu[i];
-                let m_4 = m_3 * nu[i];
-                let m_5 = m_4 * nu[i];
-                sums[0][i] += m_0;
-                sums[1][i] += m_1;
-                sums[2][i] += m_2;
-                sums[3][i] += m_3;
-                sums[4][i] += m_4;
-                sums[5][i] += m_5;
-                sums[6][i] += m_5 * nu[i];
-                j[i] += WIDTH as f64;
+        for block in self.rho.chunks(window, &mut scratch).chunks(BLOCK) {
+            let (mut g, mut r) = bell.start(j);
+            for &rho in block {
+                for i in 0..WIDTH {
+                    let nu = (self.x - j[i]) * per_s;
+                    let m_0 = rho[i] * g[i];
+                    let m_1 = m_0 * nu;
+                    let m_2 = m_1 * nu;
+                    let m_3 = m_2 * nu;
+                    let m_4 = m_3 * nu;
+                    let m_5 = m_4 * nu;
+                    sums[0][i] += m_0;
+                    sums[1][i] += m_1;
+                    sums[2][i] += m_2;
+                    sums[3][i] += m_3;
+                    sums[4][i] += m_4;
+                    sums[5][i] += m_5;
+                    sums[6][i] += m_5 * nu;
+                    j[i] += WIDTH as f64;
+                    g[i] *= r[i];
+                    r[i] *= bell.c();
+                }
             }
         }
         sums.map(total)

@@ -84,7 +84,9 @@ impl ScaleSpace {
 
     /// D of one field at sample j and scale s, rounded to 8 decimals, m; None if no level has that point.
     pub fn response(&self, lane: usize, j: usize, s: usize) -> Option<f64> {
-        let has = |level: &&Level| j % level.step == 0 && s % level.step == 0 && s / level.step >= level.first;
+        let has = |level: &&Level| {
+            j.is_multiple_of(level.step) && s.is_multiple_of(level.step) && s / level.step >= level.first
+        };
         let mut levels = self.levels.iter().filter(has);
         let value = |level: &Level| Some(level.rows.get(s / level.step - level.first)?[j / level.step][lane]);
         Some(levels.find_map(value)? / DECIMALS)
@@ -220,7 +222,7 @@ impl Kernel for Multiply<'_> {
         let skipped = self.spectrum.len() - length;
         let (low, high) = self.out.split_at_mut(half + 1);
         let [first, second] = self.kernels.map(|kernel| kernel.split_at(low.len()));
-        multiply(&self.spectrum[..], first.0, second.0, low);
+        multiply(self.spectrum, first.0, second.0, low);
         multiply(&self.spectrum[half + 1 + skipped..], first.1, second.1, high);
     }
 }
@@ -289,8 +291,8 @@ impl Kernel for Scan<'_> {
                 let mut passes = [0_u64; WIDTH];
                 for i in 0..WIDTH {
                     let c = row[j][i];
-                    let is = (c < left[i]) & (c <= right[i]) & (c < above[i]) & (c <= below[i]);
-                    passes[i] = u64::from(is);
+                    let first = u64::from(c < left[i]) & u64::from(c < above[i]);
+                    passes[i] = first & u64::from(c <= right[i]) & u64::from(c <= below[i]);
                 }
                 if passes.iter().fold(0, |any, passes| any | passes) == 0 {
                     continue;

@@ -9,8 +9,8 @@
 //! over a window that the derivatives hold. Tested against the sum and finite differences in
 //! `tests/physics/detection.rs`.
 
+use super::bell::{BLOCK, Bell};
 use super::ring::{Ring, Window, total};
-use crate::numerics::elementary;
 use crate::numerics::fourier::WIDTH;
 use crate::numerics::lanes::{Kernel, dispatch};
 
@@ -82,22 +82,14 @@ fn compare(rho: Ring, asked: &Comparison, scratch: &mut Vec<f64>) -> Similarity 
     let Comparison { x, l, a, reach } = *asked;
     let window = Window::around(x, reach);
     let (last, per_l) = (window.last as f64, 1.0 / l);
-    let step = WIDTH as f64 * per_l;
-    let [c] = elementary::exp_lanes([-step * step]);
+    let bell = Bell::new(x, per_l);
     let mut sums = [[0.0; WIDTH]; 4];
     let mut j = [0.0; WIDTH];
     for i in 0..WIDTH {
         j[i] = window.first as f64 + i as f64;
     }
-    for block in rho.chunks(window, scratch).chunks(WIDTH) {
-        let (mut power, mut ratio) = ([0.0; WIDTH], [0.0; WIDTH]);
-        for i in 0..WIDTH {
-            let u = (j[i] - x) * per_l;
-            power[i] = -0.5 * (u * u);
-            ratio[i] = -step * u - 0.5 * (step * step);
-        }
-        let mut g = elementary::exp_lanes(power);
-        let mut r = elementary::exp_lanes(ratio);
+    for block in rho.chunks(window, scratch).chunks(BLOCK) {
+        let (mut g, mut r) = bell.start(j);
         for &rho in block {
             for i in 0..WIDTH {
                 let u = (j[i] - x) * per_l;
@@ -114,7 +106,7 @@ fn compare(rho: Ring, asked: &Comparison, scratch: &mut Vec<f64>) -> Similarity 
                 sums[3][i] += w_u * u;
                 j[i] += WIDTH as f64;
                 g[i] *= r[i];
-                r[i] *= c;
+                r[i] *= bell.c();
             }
         }
     }
