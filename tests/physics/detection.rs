@@ -1,11 +1,14 @@
 //! Each step of the detection against its slow twin, and the whole on planted groups.
 
-use crate::physics::seas::{detection, fields, gaussian, record};
+use crate::physics::detection_twin;
+use crate::physics::seas::{detection, fields, four_seas, gaussian, record};
 use encounter::numerics::elementary::exp;
-use encounter::sea::detection::fit::{Candidate, similarity};
+use encounter::sea::detection::fit::Candidate;
 use encounter::sea::detection::prune::without_overlaps;
+use encounter::sea::detection::refine::{Pyramid, Response, Seed};
 use encounter::sea::detection::ring::{Ring, Window};
-use encounter::sea::detection::scale_space::{ScaleSpace, response};
+use encounter::sea::detection::scale_space::ScaleSpace;
+use encounter::sea::detection::similarity::{Comparison, similarity};
 use encounter::sea::detection::{Detection, detect};
 use encounter::sea::envelope::Envelopes;
 use encounter::sea::wave_group::WaveGroup;
@@ -51,6 +54,40 @@ fn planted_groups_are_found() {
     }
 }
 
+/// The largest of the differences in centre and length, as shares of the length, and in amplitude, as a share of that.
+fn difference(p: &WaveGroup, q: &WaveGroup) -> f64 {
+    let differences = [(p.t_c - q.t_c) / q.l, (p.l - q.l) / q.l, (p.a - q.a) / q.a];
+    differences
+        .into_iter()
+        .fold(0.0, |most, d| if d.abs() > most { d.abs() } else { most })
+}
+
+/// (G1) has kinks and jumps, so a rounding error can lead a fit elsewhere; a minimum at the edge of being one may be found
+/// on one grid alone. Both are rare.
+#[test]
+fn the_groups_are_those_of_the_direct_twin() {
+    let (mut groups, mut same, mut alike) = (0, 0, 0);
+    for sea in four_seas() {
+        let envelopes = Envelopes::of(&fields(&sea, &record(), 20, 2), &record());
+        let found = detect(&envelopes, &detection());
+        for (rho, found) in envelopes.rho.iter().zip(&found.fields) {
+            for expected in detection_twin::groups(rho, envelopes.spacing, &detection()) {
+                let nearest = found
+                    .iter()
+                    .map(|group| difference(group, &expected))
+                    .fold(f64::INFINITY, |least, d| if d < least { d } else { least });
+                groups += 1;
+                same += u32::from(nearest < 1e-6);
+                alike += u32::from(nearest < 1e-2);
+            }
+        }
+    }
+    assert!(
+        groups > 200 && 100 * same > 96 * groups && 100 * alike > 99 * groups,
+        "{groups} {same} {alike}"
+    );
+}
+
 #[test]
 fn a_shifted_envelope_has_shifted_groups() {
     let one = envelope_of(&[(600.0, 30.0, 6.0), (1333.3, 55.0, 4.5)], 2048);
@@ -65,76 +102,139 @@ fn a_shifted_envelope_has_shifted_groups() {
     }
 }
 
-#[test]
-fn the_coarse_response_is_the_direct_sum_to_eight_decimals() {
-    let rho = natural().rho;
-    let mut space = ScaleSpace::new(2048, 99);
+/// D by its sum over the whole period.
+fn direct_response(rho: &[f64], x: f64, s: f64) -> f64 {
+    let n = rho.len() as f64;
+    let term = |(j, rho): (usize, &f64)| {
+        let u = (x - j as f64) - n * ((x - j as f64) / n).round();
+        let q = (u / s) * (u / s);
+        -rho * (1.0 - q) * exp(-0.5 * q) / (TAU.sqrt() * s)
+    };
+    rho.iter().enumerate().map(term).sum()
+}
+
+fn filled(rho: &[Vec<f64>], scales: u32) -> ScaleSpace {
+    let mut space = ScaleSpace::new(2048, scales);
     space.fill(&rho[..8]);
+    space
+}
+
+#[test]
+fn the_response_is_the_direct_sum_on_the_grid_and_between() {
+    let rho = natural().rho;
+    let space = filled(&rho, 100);
+    // On every level, at both ends of the period, in the margins.
     for (lane, j, s) in [
-        (0, 0, 1),
-        (1, 5, 2),
+        (0, 0, 3),
+        (1, 5, 4),
         (3, 2047, 17),
-        (4, 1000, 50),
-        (7, 1024, 98),
-        (7, 77, 99),
+        (3, 2046, 18),
+        (4, 1000, 32),
+        (7, 1024, 56),
+        (7, 1016, 96),
     ] {
-        let direct: f64 = (0..2048)
-            .map(|i| {
-                let u = (j as f64 - i as f64) - 2048.0 * ((j as f64 - i as f64) / 2048.0).round();
-                let q = (u / s as f64) * (u / s as f64);
-                -rho[lane][i] * (1.0 - q) * exp(-0.5 * q) / (TAU.sqrt() * s as f64)
-            })
-            .sum();
-        let found = space.response(lane, j, s);
+        let direct = direct_response(&rho[lane], j as f64, s as f64);
+        let found = space.response(lane, j, s).expect("a point of the grid");
         assert!((direct - found).abs() < 0.51e-8, "{direct} {found}");
-        assert!((response(Ring::new(&rho[lane]), j as f64, s as f64).0 - direct).abs() < 1e-12);
+    }
+    assert_eq!((space.response(0, 1, 30), space.response(0, 2, 31)), (None, None));
+    for (lane, x, s) in [
+        (0, 3.2, 3.0),
+        (5, 2046.9, 7.99),
+        (2, 100.7, 8.01),
+        (6, -8.1, 33.3),
+        (1, 999.5, 97.0),
+    ] {
+        let pyramid = Pyramid::new(&rho[lane], space.envelopes(lane));
+        let direct = direct_response(&rho[lane], x, s);
+        assert!(
+            (pyramid.response(Seed { x, s }).d - direct).abs() < 1e-12,
+            "x = {x}, s = {s}"
+        );
     }
 }
 
 #[test]
-fn seeds_are_the_first_minima_of_their_neighbourhoods() {
+fn seeds_are_the_minima_among_their_neighbours() {
     let rho = natural().rho;
-    let mut space = ScaleSpace::new(2048, 30);
-    space.fill(&rho[..8]);
+    let space = filled(&rho, 100);
     let seeds = space.seeds();
     for lane in [0, 7] {
         let mut expected = Vec::new();
-        for s in 3..=28 {
-            for j in 0..2048 {
+        for (step, least) in [(1, 4), (2, 8), (4, 8), (8, 8)] {
+            for (w, j) in (least..=15).flat_map(|w| (0..2048 / step).map(move |j| (w, j))) {
+                let (s, j) = (w * step, j * step);
+                let near: usize = if step == 1 { 2 } else { 1 };
+                let value = |row: usize, column: usize| {
+                    let (row, column) = (s + row * step - near * step, j + 2048 + column * step - near * step);
+                    space
+                        .response(lane, column % 2048, row)
+                        .expect("a neighbour is on the grid")
+                };
                 let mut lowest = (f64::INFINITY, 0, 0);
-                for row in s - 2..=s + 2 {
-                    for step in 0..5 {
-                        let value = space.response(lane, (j + 2046 + step) % 2048, row);
-                        if value < lowest.0 {
-                            lowest = (value, row, step);
-                        }
+                for (row, column) in (0..=2 * near).flat_map(|row| (0..=2 * near).map(move |column| (row, column))) {
+                    let corner = row != near && column != near;
+                    if s <= 98 && !(step > 1 && corner) && value(row, column) < lowest.0 {
+                        lowest = (value(row, column), row, column);
                     }
                 }
-                if (lowest.1, lowest.2) == (s, 2) {
+                if (lowest.1, lowest.2) == (near, near) {
                     expected.push((j as f64, s as f64));
                 }
             }
         }
         let found: Vec<_> = seeds[lane].iter().map(|seed| (seed.x, seed.s)).collect();
         assert_eq!(found, expected);
-        assert!(found.len() > 20);
+        assert!(found.len() > 30);
     }
 }
 
 #[test]
 fn the_response_has_its_derivatives() {
     let rho = natural().rho;
-    let ring = Ring::new(&rho[0]);
+    let space = filled(&rho, 100);
+    let pyramid = Pyramid::new(&rho[0], space.envelopes(0));
+    let at = |x: f64, s: f64| pyramid.response(Seed { x, s });
     for (x, s) in [(100.3, 12.0), (3.2, 40.5), (2046.9, 7.7), (-8.1, 300.2)] {
-        let (_, by_x, by_s) = response(ring, x, s);
+        let Response { slope, bend, .. } = at(x, s);
         let e = 1e-4;
-        let in_x = (response(ring, x + e, s).0 - response(ring, x - e, s).0) / (2.0 * e);
-        let in_s = (response(ring, x, s + e).0 - response(ring, x, s - e).0) / (2.0 * e);
-        assert!(
-            (by_x - in_x).abs() < 1e-8 && (by_s - in_s).abs() < 1e-8,
-            "{x} {s}: {by_x} {in_x} {by_s} {in_s}"
-        );
+        let by = |more: Response, less: Response, of: fn(&Response) -> f64| (of(&more) - of(&less)) / (2.0 * e);
+        let in_x = |of| by(at(x + e, s), at(x - e, s), of);
+        let in_s = |of| by(at(x, s + e), at(x, s - e), of);
+        let numeric = [
+            in_x(|r| r.d),
+            in_s(|r| r.d),
+            in_x(|r| r.slope[0]),
+            in_x(|r| r.slope[1]),
+            in_s(|r| r.slope[1]),
+        ];
+        let exact = [slope[0], slope[1], bend[0], bend[1], bend[2]];
+        for (exact, numeric) in exact.iter().zip(numeric) {
+            assert!((exact - numeric).abs() < 1e-8, "{x} {s}: {exact} {numeric}");
+        }
     }
+}
+
+#[test]
+fn the_refinement_ends_in_a_minimum() {
+    let rho = natural().rho;
+    let space = filled(&rho, 100);
+    let seeds = space.seeds();
+    let mut minima = 0;
+    for lane in 0..8 {
+        let pyramid = Pyramid::new(&rho[lane], space.envelopes(lane));
+        for minimum in seeds[lane].iter().filter_map(|seed| pyramid.refine(*seed, 3.0)) {
+            let Response { slope, bend, d } = pyramid.response(minimum);
+            let largest = slope[0].abs() + slope[1].abs();
+            assert!(largest * minimum.s < 1e-9 * d.abs(), "{minimum:?} {slope:?}");
+            assert!(
+                bend[0] > 0.0 && bend[0] * bend[2] > bend[1] * bend[1],
+                "{minimum:?} {bend:?}"
+            );
+            minima += 1;
+        }
+    }
+    assert!(minima > 300, "{minima}");
 }
 
 fn direct_similarity(rho: &[f64], group: Candidate, reach: f64) -> f64 {
@@ -160,8 +260,9 @@ fn the_similarity_is_its_sum_and_has_its_derivatives() {
             a,
             similarity: 0.0,
         };
-        let (c, slope) = similarity(Ring::new(&rho[1]), group, 18.0);
-        assert!((c - direct_similarity(&rho[1], group, 18.0)).abs() < 1e-13);
+        let asked = Comparison { x, l, a, reach: 18.0 };
+        let found = similarity(Ring::new(&rho[1]), asked);
+        assert!((1.0 - found.gap - direct_similarity(&rho[1], group, 18.0)).abs() < 1e-13);
         let e = 1e-6;
         let at = |dx: f64, dl: f64, da: f64| {
             let moved = Candidate {
@@ -177,8 +278,8 @@ fn the_similarity_is_its_sum_and_has_its_derivatives() {
             at(0.0, e, 0.0) - at(0.0, -e, 0.0),
             at(0.0, 0.0, e) - at(0.0, 0.0, -e),
         ];
-        for (exact, difference) in slope.iter().zip(numeric) {
-            assert!((exact - difference / (2.0 * e)).abs() < 1e-7, "{slope:?} {numeric:?}");
+        for (exact, difference) in found.slope.iter().zip(numeric) {
+            assert!((exact + difference / (2.0 * e)).abs() < 1e-7, "{found:?} {numeric:?}");
         }
     }
 }
@@ -188,10 +289,20 @@ fn a_window_runs_from_floor_to_floor() {
     assert_eq!(Window::around(10.5, 2.0), Window { first: 8, last: 12 });
     assert_eq!(Window::around(-0.5, 2.0), Window { first: -3, last: 1 });
     assert_eq!(Window::around(3.0, 1.0), Window { first: 2, last: 4 });
+    let window = Window { first: -2, last: 6 };
+    let wrapped = [2.0, 3.0, 1.0, 2.0, 3.0, 1.0, 2.0, 3.0];
+    let more = [1.0, 2.0, 3.0, 1.0, 2.0, 3.0, 1.0, 2.0];
     assert_eq!(
-        Ring::new(&[1.0, 2.0, 3.0]).chunk(-2),
-        [2.0, 3.0, 1.0, 2.0, 3.0, 1.0, 2.0, 3.0]
+        Ring::new(&[1.0, 2.0, 3.0]).chunks(window, &mut Vec::new()),
+        [wrapped, more]
     );
+    let period: Vec<f64> = (0..24).map(f64::from).collect();
+    let window = Window { first: 7, last: 15 };
+    let inside = Ring::new(&period)
+        .chunks(window, &mut Vec::new())
+        .as_flattened()
+        .to_vec();
+    assert_eq!(inside, period[7..23]);
 }
 
 fn list(groups: &[(f64, f64, f64)]) -> Vec<Candidate> {

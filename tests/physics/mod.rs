@@ -4,6 +4,7 @@ mod cholesky;
 mod density;
 mod design;
 mod detection;
+mod detection_twin;
 mod elementary;
 mod encounter;
 mod envelope;

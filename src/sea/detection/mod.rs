@@ -10,22 +10,29 @@
 //! | C | `similarity` | 1 | similarity of the envelope to the group's Gaussian |
 //! | C_thr | `similarity_threshold` | 1 | least similarity of a group |
 //!
-//! The steps: (1) coarse scale space, (2) refinement in `scale_space`; (3) pre-check, (4) fit, (5) post-check in `fit`;
-//! (6) removal of overlaps in `prune`; (7) units here. Tested in `tests/physics/detection.rs`.
+//! The steps: (1) coarse scale space in `scale_space`, (2) refinement in `refine`; (3) pre-check, (4) fit, (5) post-check
+//! in `fit`; (6) removal of overlaps in `prune`; (7) units here. Tested in `tests/physics/detection.rs`.
 
+pub mod bell;
 pub mod fit;
 pub mod prune;
+pub mod refine;
 pub mod ring;
 pub mod scale_space;
+pub mod similarity;
 
 use crate::numerics::domain;
 use crate::numerics::fourier::WIDTH;
 use crate::sea::envelope::Envelopes;
 use crate::sea::wave_group::{Groups, WaveGroup};
 use fit::Candidate;
+use refine::{Pyramid, Seed};
 use ring::Ring;
 use scale_space::ScaleSpace;
 use serde::{Deserialize, Serialize};
+
+/// Refined seeds closer than this share of s are the same minimum.
+const SAME: f64 = 1e-6;
 
 /// The table `[detection]`; lengths in envelope samples.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -95,26 +102,32 @@ pub fn detect(rho: &Envelopes, d: &Detection) -> Groups {
     let mut fields = Vec::with_capacity(rho.rho.len());
     for block in rho.rho.chunks(WIDTH) {
         space.fill(block);
-        for (field, seeds) in block.iter().zip(space.seeds()) {
-            fields.push(groups_of(Ring::new(field), &seeds, rho.spacing, d));
+        for (lane, (field, seeds)) in block.iter().zip(space.seeds()).enumerate() {
+            let minima = minima(&Pyramid::new(field, space.envelopes(lane)), &seeds, d);
+            fields.push(groups_of(Ring::new(field), &minima, rho.spacing, d));
         }
     }
     Groups { fields }
 }
 
-/// Steps (2) to (7) for one field.
-fn groups_of(rho: Ring, seeds: &[scale_space::Seed], spacing: f64, d: &Detection) -> Vec<WaveGroup> {
-    let mut refined: Vec<_> = seeds
+/// Step (2) for one field: the minima to which its seeds lead, each once, sorted by x.
+fn minima(pyramid: &Pyramid, seeds: &[Seed], d: &Detection) -> Vec<Seed> {
+    // What rounds to a scale above `scales` - 2 has no full neighbourhood among the scales sought.
+    let longest = f64::from(d.scales) - 1.5;
+    let refined = seeds
         .iter()
-        .filter_map(|seed| scale_space::refine(rho, *seed))
-        .collect();
-    refined.sort_by(|p, q| p.x.total_cmp(&q.x));
-    let fitted = refined
-        .iter()
-        .filter_map(|seed| fit::precheck(rho, *seed, d))
-        .map(|start| fit::fit(rho, start, d))
-        .filter(|group| fit::postcheck(group, d))
-        .collect();
+        .filter_map(|seed| pyramid.refine(*seed, fit::SHORTEST_SEED));
+    let mut minima: Vec<Seed> = refined.filter(|seed| seed.s <= longest).collect();
+    minima.sort_by(|p, q| p.x.total_cmp(&q.x));
+    minima.dedup_by(|q, p| (q.x - p.x).abs() < SAME * p.s && (q.s - p.s).abs() < SAME * p.s);
+    minima
+}
+
+/// Steps (3) to (7) for one field.
+fn groups_of(rho: Ring, minima: &[Seed], spacing: f64, d: &Detection) -> Vec<WaveGroup> {
+    let starts: Vec<_> = minima.iter().filter_map(|seed| fit::precheck(rho, *seed, d)).collect();
+    let mut fitted = fit::fit(rho, &starts, d);
+    fitted.retain(|group| fit::postcheck(group, d));
     let n = rho.len() as f64;
     let mut groups: Vec<_> = prune::without_overlaps(fitted, n, d)
         .iter()

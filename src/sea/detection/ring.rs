@@ -65,26 +65,39 @@ impl<'a> Ring<'a> {
         self.samples.is_empty()
     }
 
-    /// The samples first, first + 1, ..., wrapped.
+    /// The samples of a window, wrapped, and as many after it as make whole chunks of eight; `scratch` holds them where
+    /// the period does not.
     #[inline(always)]
-    pub fn chunk(&self, first: i64) -> [f64; WIDTH] {
+    pub fn chunks<'b>(&self, window: Window, scratch: &'b mut Vec<f64>) -> &'b [[f64; WIDTH]]
+    where
+        'a: 'b,
+    {
+        let chunks = (window.last - window.first) as usize / WIDTH + 1;
         let n = self.samples.len() as i64;
-        if first >= 0 && first + WIDTH as i64 <= n {
-            let at = first as usize;
-            let mut out = [0.0; WIDTH];
-            out.copy_from_slice(&self.samples[at..at + WIDTH]);
-            return out;
-        }
-        self.wrapped(first)
+        let first = window.first;
+        let samples = if first >= 0 && first + (chunks * WIDTH) as i64 <= n {
+            &self.samples[first as usize..][..chunks * WIDTH]
+        } else {
+            self.wrap(first, chunks * WIDTH, scratch);
+            scratch
+        };
+        samples.as_chunks().0
     }
 
     #[inline(never)]
-    fn wrapped(&self, first: i64) -> [f64; WIDTH] {
-        let n = self.samples.len() as i64;
-        let mut out = [0.0; WIDTH];
-        for (i, value) in out.iter_mut().enumerate() {
-            *value = self.samples[(first + i as i64).rem_euclid(n) as usize];
+    fn wrap(&self, first: i64, count: usize, out: &mut Vec<f64>) {
+        out.clear();
+        let mut at = first.rem_euclid(self.samples.len() as i64) as usize;
+        while out.len() < count {
+            let used = (count - out.len()).min(self.samples.len() - at);
+            out.extend_from_slice(&self.samples[at..at + used]);
+            at = 0;
         }
-        out
     }
+}
+
+/// The sum of eight lanes, by halves.
+#[inline(always)]
+pub fn total(x: [f64; WIDTH]) -> f64 {
+    ((x[0] + x[4]) + (x[2] + x[6])) + ((x[1] + x[5]) + (x[3] + x[7]))
 }

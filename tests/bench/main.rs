@@ -1,0 +1,12 @@
+//! How long it takes: one question a file, each beside the slow obvious way. `cargo bench` with a word picks some.
+
+#[path = "../physics/detection_twin.rs"]
+mod detection_twin;
+#[path = "../physics/seas.rs"]
+mod seas;
+
+mod detection;
+
+fn main() {
+    divan::main();
+}
