@@ -16,7 +16,7 @@ use crate::ship::group_waves::GroupWaves;
 use crate::ship::initial_condition::{Estimate, RollState, predecessor};
 use crate::ship::response::Truth;
 use crate::ship::segments::{Segment, SegmentMaxima};
-use crate::ship::simulation::{COLUMNS, EPSILONS, Observer, Simulation, Span, Waves};
+use crate::ship::simulation::{BlockRows, COLUMNS, EPSILONS, Observer, Simulation, Span, Waves};
 use std::f64::consts::TAU;
 
 /// A wave group as the ship sees it.
@@ -201,24 +201,17 @@ fn side_by_side<W: Waves>(
     r
 }
 
-struct RunObserver<'a>(SegmentMaxima<'a>);
+struct RunObserver(SegmentMaxima);
 
-impl Observer for RunObserver<'_> {
-    #[inline(always)]
-    fn needs_maxima(&self, end: i64) -> bool {
-        self.0.is_open(end)
-    }
-
+impl Observer for RunObserver {
     #[inline(always)]
     fn observe(&mut self, step: i64, block: &Block) {
-        if self.0.is_open(step + block.n as i64) {
-            self.0.gather(step, block);
-        }
+        self.0.gather(step, block);
     }
 
     #[inline(always)]
     fn finish(&mut self) {
-        self.0.settle();
+        self.0.finish();
     }
 }
 
@@ -231,7 +224,8 @@ struct RecordWaves<'a> {
 
 impl Waves for RecordWaves<'_> {
     #[inline(always)]
-    fn fill(&self, step: i64, rows: &mut [[f64; COLUMNS]]) {
+    fn rows<'a>(&'a self, step: i64, n: usize, space: &'a mut BlockRows) -> &'a BlockRows {
+        let rows = &mut space[..=2 * n];
         for (column, run) in self.runs.iter().enumerate() {
             let eta = &self.fields[run.column as usize];
             let first = (2 * (run.start + step)).rem_euclid(eta.len() as i64) as usize;
@@ -244,5 +238,6 @@ impl Waves for RecordWaves<'_> {
                 row[column] = *value;
             }
         }
+        space
     }
 }

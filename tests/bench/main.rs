@@ -2,10 +2,13 @@
 
 #[path = "../physics/detection_twin.rs"]
 mod detection_twin;
+#[path = "../physics/roll_twin.rs"]
+mod roll_twin;
 #[path = "../physics/seas.rs"]
 mod seas;
 
 mod detection;
+mod truth;
 
 fn main() {
     divan::main();
