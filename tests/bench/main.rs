@@ -9,6 +9,7 @@ mod seas;
 
 mod detection;
 mod truth;
+mod vhgp;
 
 fn main() {
     divan::main();
