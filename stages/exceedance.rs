@@ -6,8 +6,8 @@ use crate::engine::arrow::{All, PiecesOf};
 use crate::engine::error::Result;
 use crate::engine::stage::{Here, Stage};
 use crate::numerics::sums::mean;
-use crate::ship::exceedance::{Counts, Exceedances, Probabilities, Thresholds};
-use crate::ship::response::Truths;
+use crate::ship::exceedance::{Counts, Curve, Exceedances, Probabilities, Thresholds};
+use crate::ship::response::{Truths, temporal_levels};
 use crate::ship::sample::SampledResponses;
 use crate::stages::cic::Cic;
 use crate::stages::ground_truth::GroundTruth;
@@ -37,6 +37,8 @@ pub struct Names {
 pub struct ThresholdRules {
     capsize_angle: f64,
     thresholds: Thresholds,
+    #[serde(default = "temporal_levels")]
+    temporal_levels: Thresholds,
 }
 
 /// The thresholds of Table 1 for this sea, beside those of Figure 3.
@@ -56,7 +58,7 @@ pub struct Row {
 impl Stage for Exceedance {
     const NAME: &'static str = "exceedance";
     const PAPER: &'static str = "§3";
-    const SCHEMA: &'static str = "probabilities/1";
+    const SCHEMA: &'static str = "probabilities/2";
     type Params = Params;
     type Inputs = (All<GroundTruth>, All<Cic>, All<Pic>, All<Nic>, All<NicGroups>);
     type Output = Probabilities;
@@ -115,7 +117,13 @@ impl Stage for Exceedance {
                 table.push(counted.table.curve(method, known.epsilon_1, &levels.table));
             }
         }
-        Ok(Probabilities { curves, table, counts })
+        let temporal = temporal(&p.truth, &truth)?;
+        Ok(Probabilities {
+            curves,
+            table,
+            counts,
+            temporal,
+        })
     }
 }
 
@@ -189,4 +197,20 @@ fn count_truth(
         counts.time_above = mean(times);
     }
     Ok((counts, counted))
+}
+
+/// The share of time above each level, per epsilon_1.
+fn temporal(rules: &ThresholdRules, truth: &PiecesOf<'_, Truths>) -> Result<Vec<Curve>> {
+    let levels = rules.temporal_levels.values();
+    let (mut epsilons, mut counted) = (Vec::new(), Vec::<Exceedances>::new());
+    for piece in truth.iter() {
+        let piece = piece?;
+        epsilons.clone_from(&piece.epsilon_1);
+        counted.resize(epsilons.len(), Exceedances::none(levels.len()));
+        for (all, own) in counted.iter_mut().zip(&piece.temporal) {
+            all.merge(own);
+        }
+    }
+    let curve = |(counted, epsilon_1): (&Exceedances, &f64)| counted.curve("temporal", *epsilon_1, &levels);
+    Ok(counted.iter().zip(&epsilons).map(curve).collect())
 }

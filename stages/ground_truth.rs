@@ -14,6 +14,7 @@ use crate::numerics::rows::Rows;
 use crate::sea::wave_field::{Record, WaveFields};
 use crate::sea::wave_group::Groups;
 use crate::ship::continuous_roll::{Timing, continuous_record};
+use crate::ship::exceedance::Exceedances;
 use crate::ship::response::{Truth, Truths};
 use crate::ship::roll_equation::Ship;
 use crate::ship::sample::Selection;
@@ -65,7 +66,7 @@ impl Stage for GroundTruth {
     const NAME: &'static str = "ground_truth";
     const PAPER: &'static str = "§3";
     const PIECES: Pieces = Pieces::AsUpstream;
-    const SCHEMA: &'static str = "ground-truth/1";
+    const SCHEMA: &'static str = "ground-truth/2";
     type Params = Params;
     type Inputs = (Each<WaveSynthesis>, Each<GroupDetection>);
     type Output = Truths;
@@ -90,17 +91,26 @@ impl Stage for GroundTruth {
         let encounters = Selection::new(groups.parameters(), &[]).groups;
         let mut synthesis = p.record.synthesis();
         let mut eta = Rows::new(samples);
+        let levels = p.truth.temporal_levels.values();
         let mut fields = vec![Vec::new(); p.ship.epsilon_1.len()];
+        let mut temporal = vec![Exceedances::none(levels.len()); p.ship.epsilon_1.len()];
         for (block, encounters) in encounters.chunks(WIDTH).enumerate() {
             waves.elevation(block * WIDTH, &mut synthesis, &mut eta);
-            let responses = continuous_record(&simulation, &timing, &eta, encounters);
-            for (all, own) in fields.iter_mut().zip(responses) {
-                all.extend(own);
+            let rolled = continuous_record(&simulation, &timing, &eta, encounters);
+            for (e, (responses, angles)) in rolled.responses.into_iter().zip(rolled.angles).enumerate() {
+                for (response, angles) in responses.iter().zip(&angles) {
+                    if response.dropped {
+                        continue;
+                    }
+                    temporal[e].add_field(&levels, angles);
+                }
+                fields[e].extend(responses);
             }
         }
         Ok(Truths {
             epsilon_1: p.ship.epsilon_1.clone(),
             fields,
+            temporal,
         })
     }
 }

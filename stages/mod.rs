@@ -2,6 +2,7 @@
 
 pub mod axes;
 pub mod cic;
+pub mod detection_study;
 pub mod envelope;
 pub mod exceedance;
 pub mod figures;
@@ -40,6 +41,7 @@ pub const CONTENTS: &[&dyn Node] = &[
     node::<nic_groups::NicGroups>(),
     node::<exceedance::Exceedance>(),
     node::<response_moments::ResponseMoments>(),
+    node::<detection_study::DetectionVaried>(),
     node::<response_pool::ResponsePool>(),
     node::<sampling_floor::SamplingFloor>(),
     node::<vhgp_seq::VhgpSeq>(),
@@ -52,6 +54,8 @@ pub const CONTENTS: &[&dyn Node] = &[
     node::<figures::fig4_response_moments::Fig4ResponseMoments>(),
     node::<figures::fig5_vhgp_seq::Fig5VhgpSeq>(),
     node::<figures::fig6_jonswap_groups::Fig6JonswapGroups>(),
+    node::<figures::fig7_temporal::Fig7Temporal>(),
+    node::<figures::fig8_method_error::Fig8MethodError>(),
     node::<figures::table1::Table1>(),
     node::<figures::groups::Groups>(),
     node::<figures::truth::Truth>(),

@@ -31,9 +31,11 @@ pub mod convergence;
 pub mod exceedance;
 pub mod flowchart;
 pub mod jonswap_groups;
+pub mod method_error;
 pub mod response_moments;
 pub mod table;
 pub mod table_errors;
+pub mod temporal;
 pub mod wave_groups;
 
 /// Why a figure could not be drawn; reads on after "failed to draw the figure: ".

@@ -45,6 +45,10 @@ pub const ORANGE: RGBColor = RGBColor(232, 110, 4);
 pub const GREEN: RGBColor = RGBColor(10, 130, 62);
 /// Envelope: the paper's `Red`.
 pub const RED: RGBColor = RGBColor(208, 32, 38);
+/// A setting that is varied, first shade.
+pub const PURPLE: RGBColor = RGBColor(128, 50, 150);
+/// A setting that is varied, second shade.
+pub const TEAL: RGBColor = RGBColor(0, 136, 146);
 
 /// One of the five curves of Figure 3.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -264,6 +264,21 @@ impl Block {
         largest
     }
 
+    /// |theta| at the end of the first step, rad; capsize_angle at a capsize.
+    #[inline(always)]
+    pub(crate) fn first_angle(&self) -> [f64; LANES] {
+        let mut angle = [0.0; LANES];
+        for i in 0..LANES {
+            let capsized = self.has_capsizes && self.measured[1][i] == self.rules.capsize_angle;
+            angle[i] = if capsized {
+                self.rules.capsize_angle
+            } else {
+                self.theta[1][i].abs()
+            };
+        }
+        angle
+    }
+
     /// The number of full steps, the start left out, with |theta| above a level; a capsize is above.
     #[inline(always)]
     pub(crate) fn time_above(&self, level: f64) -> [f64; LANES] {

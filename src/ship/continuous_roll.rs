@@ -4,10 +4,11 @@
 //! segment of the longest possible group has ended. The record is periodic with T_f, so t < 0 and t > T_f are defined.
 //! Eight fields and up to three epsilon_1 run side by side on one elevation.
 //!
-//! Counted in [0, T_f) alone, at full steps: capsizes, and the time above the temporal level.
+//! Counted in [0, T_f) alone, at full steps: capsizes, and the time above the temporal level. |theta| itself is kept once
+//! a block, for the share of time above any other level.
 //! Tested in `tests/physics/response.rs` against a scalar run that keeps its whole trajectory.
 
-use crate::ship::block::Block;
+use crate::ship::block::{BLOCK, Block};
 use crate::ship::encounter::Encounter;
 use crate::ship::initial_condition::RollState;
 use crate::ship::response::{Capsize, Response};
@@ -70,7 +71,16 @@ impl Waves for PeriodicRecord<'_> {
     }
 }
 
-/// Section 9: the responses of up to eight fields to their wave groups, `[epsilon_1][field]`.
+/// What the continuous roll of some fields leaves behind.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Rolled {
+    /// The responses to their wave groups, `[epsilon_1][field]`.
+    pub responses: Vec<Vec<Response>>,
+    /// |theta| at every sixteenth full step in [0, T_f), rad, capsize_angle at a capsize: `[epsilon_1][field][instant]`.
+    pub angles: Vec<Vec<Vec<f64>>>,
+}
+
+/// Section 9: the roll of up to eight fields and its responses to their wave groups.
 ///
 /// `eta` holds one field period in eight columns (samples, 8) in m, `groups` one list per field in use.
 pub fn continuous_record(
@@ -78,7 +88,7 @@ pub fn continuous_record(
     timing: &Timing,
     eta: &[[f64; COLUMNS]],
     groups: &[Vec<Encounter>],
-) -> Vec<Vec<Response>> {
+) -> Rolled {
     let (start, end) = (-timing.lead_in, timing.steps + timing.tail);
     let segment = |g: &Encounter| Segment::around(g.t_c, simulation.truth.window * g.l, timing.h).within(start, end);
     let segments: Vec<Vec<Segment>> = groups.iter().map(|list| list.iter().map(segment).collect()).collect();
@@ -88,13 +98,14 @@ pub fn continuous_record(
         cuts: [-1, timing.steps - 1],
     };
     let waves = PeriodicRecord { eta };
-    let mut responses = Vec::new();
+    let mut rolled = Rolled::default();
     for epsilon_1 in simulation.ship.epsilon_1.chunks(EPSILONS) {
         let mut observer = TruthObserver::new(simulation, timing, &segments, epsilon_1.len());
         simulation.integrate(epsilon_1, &[], &span, &waves, &mut observer);
-        responses.extend(observer.responses());
+        rolled.angles.extend(observer.angles(epsilon_1.len(), groups.len()));
+        rolled.responses.extend(observer.responses());
     }
-    responses
+    rolled
 }
 
 struct TruthObserver<'a> {
@@ -105,6 +116,8 @@ struct TruthObserver<'a> {
     capsizes: [f64; LANES],
     capsizes_in_run: [f64; LANES],
     above: [f64; LANES],
+    /// |theta| once a block in [0, T_f), rad; (instants, lanes).
+    angles: Vec<[f64; LANES]>,
 }
 
 impl<'a> TruthObserver<'a> {
@@ -116,7 +129,15 @@ impl<'a> TruthObserver<'a> {
             capsizes: [0.0; LANES],
             capsizes_in_run: [0.0; LANES],
             above: [0.0; LANES],
+            angles: Vec::with_capacity(timing.steps as usize / BLOCK + 1),
         }
+    }
+
+    /// |theta| of the fields in use, `[epsilon_1][field][instant]`.
+    fn angles(&self, epsilons: usize, fields: usize) -> Vec<Vec<Vec<f64>>> {
+        let of_lane = |lane: usize| self.angles.iter().map(|row| row[lane]).collect();
+        let of_epsilon = |e: usize| (0..fields).map(|column| of_lane(e * COLUMNS + column)).collect();
+        (0..epsilons).map(of_epsilon).collect()
     }
 
     fn responses(self) -> Vec<Vec<Response>> {
@@ -145,6 +166,8 @@ impl Observer for TruthObserver<'_> {
         let counts = step >= -1 && step < self.timing.steps - 1;
         if counts {
             add(&mut self.above, &block.time_above(self.simulation.truth.temporal_level));
+            // The step before t = 0 starts a block, and every sixteenth after it.
+            self.angles.push(block.first_angle());
         }
         if block.has_capsizes {
             add(&mut self.capsizes_in_run, &block.capsizes);

@@ -97,15 +97,6 @@ impl Exceedances {
         }
     }
 
-    /// Counts the responses of some fields.
-    pub fn of_fields<'a>(theta_t: &[f64], fields: impl IntoIterator<Item = &'a [f64]>) -> Self {
-        let mut counts = Self::none(theta_t.len());
-        for r in fields {
-            counts.add_field(theta_t, r);
-        }
-        counts
-    }
-
     /// Counts the responses of one field.
     pub fn add_field(&mut self, theta_t: &[f64], r: &[f64]) {
         let n_f = r.len() as u64;
@@ -176,6 +167,9 @@ pub struct Probabilities {
     pub table: Vec<Curve>,
     /// What the continuous record counted, per epsilon_1.
     pub counts: Vec<Counts>,
+    /// The share of time with |theta| above a level, over the levels of `[truth] temporal_levels`, per epsilon_1; s.e. by
+    /// fields, n in instants.
+    pub temporal: Vec<Curve>,
 }
 
 /// What the continuous record counted at one epsilon_1.

@@ -11,3 +11,4 @@ pub mod roll_equation;
 pub mod sample;
 pub mod segments;
 pub mod simulation;
+pub mod temporal;

@@ -9,6 +9,7 @@
 //! A capsize is a value: the groups whose segment holds it have r = capsize_angle, which exceeds every threshold.
 
 use crate::numerics::{domain, sums};
+use crate::ship::exceedance::{Exceedances, Thresholds};
 use serde::{Deserialize, Serialize};
 
 /// Which roll is compared with a threshold.
@@ -35,6 +36,15 @@ fn temporal_level() -> f64 {
     0.25
 }
 
+/// The temporal levels unless given: the thresholds of Figure 3, rad.
+pub fn temporal_levels() -> Thresholds {
+    Thresholds {
+        from: 0.0,
+        to: 1.2,
+        step: 0.025,
+    }
+}
+
 /// The `[truth]` table.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Truth {
@@ -51,15 +61,27 @@ pub struct Truth {
     /// Level of |theta| whose share of time is reported, rad; 0.25 unless given.
     #[serde(default = "temporal_level", deserialize_with = "domain::positive")]
     pub temporal_level: f64,
+    /// Levels of |theta| whose share of time is counted, rad; those of Figure 3 unless given.
+    #[serde(default = "temporal_levels")]
+    pub temporal_levels: Thresholds,
 }
 
 impl Truth {
-    /// Checks that the temporal level lies below the capsize angle.
+    /// Checks that the temporal levels lie below the capsize angle.
     ///
     /// # Errors
     /// `key: expected .., found ..`.
     pub fn check(&self) -> Result<(), String> {
         let limit = self.capsize_angle;
+        self.temporal_levels
+            .check()
+            .map_err(|why| format!("temporal_levels.{why}"))?;
+        let highest = self.temporal_levels.to;
+        if highest >= limit {
+            return Err(format!(
+                "temporal_levels.to: expected a number below capsize_angle = {limit}, found {highest}"
+            ));
+        }
         if self.temporal_level >= limit {
             let level = self.temporal_level;
             return Err(format!(
@@ -123,6 +145,8 @@ pub struct Truths {
     pub epsilon_1: Vec<f64>,
     /// (epsilon_1)(fields).
     pub fields: Vec<Vec<Response>>,
+    /// Instants at T_p/4 with |theta| above each of `temporal_levels`, by field, dropped fields left out; (epsilon_1).
+    pub temporal: Vec<Exceedances>,
 }
 
 /// One point of Figure 4.

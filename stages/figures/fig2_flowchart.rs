@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use crate::engine::error::Result;
 use crate::engine::stage::{Here, Published, Stage};
 use crate::plot::flowchart::{csv, draw};
-use crate::stages::figures::scenes::refused;
+use crate::stages::figures::refusal::refused;
 
 /// Figure 2.
 pub struct Fig2Flowchart;

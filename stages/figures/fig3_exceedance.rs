@@ -6,13 +6,14 @@ use crate::engine::arrow::{CaseOf, Cases};
 use crate::engine::case::Axis;
 use crate::engine::error::Result;
 use crate::engine::stage::{Here, Published, Stage};
-use crate::plot::exceedance::{Cell, Curve, Exceedance as Figure, Row, csv, draw};
-use crate::plot::style::Method;
+use crate::plot::exceedance::{Exceedance as Figure, Row, csv, draw};
 use crate::sea::statistics::Statistics;
-use crate::ship::exceedance::{Counts, Probabilities};
+use crate::ship::exceedance::Probabilities;
 use crate::stages::axes::SEA;
 use crate::stages::exceedance::Exceedance;
-use crate::stages::figures::scenes::{density, refused};
+use crate::stages::figures::panels::cells;
+use crate::stages::figures::refusal::refused;
+use crate::stages::figures::scenes::density;
 use crate::stages::group_statistics::GroupStatistics;
 
 /// Figure 3.
@@ -63,32 +64,6 @@ fn row(spectrum: &str, statistics: &Statistics, probabilities: &Probabilities) -
         spectrum: spectrum.to_owned(),
         description: statistics.description.clone(),
         density: density(&statistics.density),
-        cells: probabilities
-            .counts
-            .iter()
-            .map(|counts| cell(counts, probabilities))
-            .collect(),
-    }
-}
-
-fn cell(counts: &Counts, probabilities: &Probabilities) -> Cell {
-    let own = probabilities
-        .curves
-        .iter()
-        .filter(|curve| curve.epsilon_1 == counts.epsilon_1);
-    let curves = own.filter_map(|curve| {
-        Some(Curve {
-            method: Method::named(&curve.method)?,
-            theta_t: curve.theta_t[..curve.probability.len()].to_vec(),
-            probability: curve.probability.clone(),
-            standard_error: curve.standard_error.clone(),
-            n: curve.n,
-        })
-    });
-    let share = counts.capsized_groups as f64 / counts.groups.max(1) as f64;
-    Cell {
-        epsilon_1: counts.epsilon_1,
-        curves: curves.collect(),
-        capsize_share: (counts.groups > 0).then_some(share),
+        cells: cells(probabilities),
     }
 }

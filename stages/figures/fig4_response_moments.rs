@@ -11,7 +11,7 @@ use crate::plot::response_moments::{Moments, ResponseMoments as Figure, Shape, c
 use crate::plot::style::Method;
 use crate::ship::response::Point;
 use crate::stages::axes::SEA;
-use crate::stages::figures::scenes::refused;
+use crate::stages::figures::refusal::refused;
 use crate::stages::response_moments::ResponseMoments;
 
 /// Figure 4.

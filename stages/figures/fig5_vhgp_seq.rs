@@ -16,7 +16,7 @@ use crate::plot::convergence::{Convergence, Estimates, csv, draw};
 use crate::ship::exceedance::Probabilities;
 use crate::stages::axes::SEA;
 use crate::stages::exceedance::Exceedance;
-use crate::stages::figures::scenes::refused;
+use crate::stages::figures::refusal::refused;
 use crate::stages::random_sampling::RandomSampling;
 use crate::stages::sampling_floor::SamplingFloor;
 use crate::stages::vhgp_best::VhgpBest;

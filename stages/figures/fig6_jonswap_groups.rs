@@ -10,7 +10,8 @@ use crate::sea::spectrum::Sea;
 use crate::sea::wave_field::{Record, WaveFields};
 use crate::sea::wave_group::Groups;
 use crate::stages::axes::SEA;
-use crate::stages::figures::scenes::{Segment, find_field, refused};
+use crate::stages::figures::refusal::refused;
+use crate::stages::figures::scenes::{Segment, find_field};
 use crate::stages::group_detection::GroupDetection;
 use crate::stages::wave_synthesis::WaveSynthesis;
 

@@ -5,7 +5,6 @@ use serde::{Deserialize, Serialize};
 use crate::engine::error::{Error, Result};
 use crate::numerics::density::DensityMap;
 use crate::numerics::fourier::WIDTH;
-use crate::plot;
 use crate::plot::density::Density;
 use crate::plot::wave_groups::{Group, Series};
 use crate::sea::wave_field::{Record, WaveFields};
@@ -109,13 +108,6 @@ pub fn density(map: &DensityMap) -> Density {
         p,
     }
 }
-
-/// A refusal of the drawing code, as a stage's failure.
-#[expect(clippy::needless_pass_by_value, reason = "the shape that map_err wants")]
-pub fn refused(error: plot::Error) -> Error {
-    Error::stage(error.to_string())
-}
-
 /// The piece that holds a field, and the field's place in it.
 ///
 /// # Errors

@@ -11,6 +11,15 @@ fn thresholds(from: f64, to: f64, step: f64) -> Thresholds {
     Thresholds { from, to, step }
 }
 
+/// The responses of some fields, counted.
+pub(crate) fn of_fields<'a>(theta_t: &[f64], fields: impl IntoIterator<Item = &'a [f64]>) -> Exceedances {
+    let mut counts = Exceedances::none(theta_t.len());
+    for r in fields {
+        counts.add_field(theta_t, r);
+    }
+    counts
+}
+
 const FIELDS: [&[f64]; 3] = [&[0.1, 0.5, 0.9], &[0.5, 0.6], &[]];
 
 #[test]
@@ -22,7 +31,7 @@ fn thresholds_are_the_decimals_they_are_written_as() {
 
 #[test]
 fn exceedance_is_strict_and_counted_over_all_groups() {
-    let curve = Exceedances::of_fields(&[0.0, 0.5, 0.9], FIELDS).curve("truth", 0.02, &[0.0, 0.5, 0.9]);
+    let curve = of_fields(&[0.0, 0.5, 0.9], FIELDS).curve("truth", 0.02, &[0.0, 0.5, 0.9]);
     assert_eq!(curve.probability, [1.0, 2.0 / 5.0, 0.0]);
     assert_eq!((curve.n, curve.epsilon_1), (5, 0.02));
     // (T1) at 0.5: c = 1, 1 of n = 3, 2; P = .4: (1 - 1.2)^2 + (1 - .8)^2 = .08.
@@ -35,14 +44,14 @@ fn pieces_add_up_to_the_whole() {
     let theta_t = [0.3, 0.55];
     let mut sum = Exceedances::none(2);
     for field in FIELDS {
-        sum.merge(&Exceedances::of_fields(&theta_t, [field]));
+        sum.merge(&of_fields(&theta_t, [field]));
     }
-    assert_eq!(sum, Exceedances::of_fields(&theta_t, FIELDS));
+    assert_eq!(sum, of_fields(&theta_t, FIELDS));
 }
 
 #[test]
 fn without_groups_there_is_no_probability() {
-    let curve = Exceedances::of_fields(&[0.5], [&[] as &[f64]]).curve("cic", 0.0, &[0.5]);
+    let curve = of_fields(&[0.5], [&[] as &[f64]]).curve("cic", 0.0, &[0.5]);
     assert_eq!((curve.n, curve.theta_t.len()), (0, 1));
     assert!(curve.probability.is_empty() && curve.standard_error.is_empty());
     assert_eq!(random_sampling_sd(0.5, 0), None);
@@ -52,7 +61,7 @@ fn without_groups_there_is_no_probability() {
 #[test]
 fn with_one_group_per_field_the_standard_error_is_the_binomial_one() {
     let r: Vec<f64> = (0..1000).map(|i| if i % 10 == 0 { 1.0 } else { 0.0 }).collect();
-    let counts = Exceedances::of_fields(&[0.5], r.chunks(1));
+    let counts = of_fields(&[0.5], r.chunks(1));
     let binomial = random_sampling_sd(0.1, 1000).expect("n > 0");
     assert!((counts.standard_error(0).expect("n > 0") - binomial).abs() < 1e-15);
 }
@@ -95,7 +104,12 @@ fn the_temporal_level_stays_below_the_capsize_angle() {
         temporal_level: 4.0,
         ..truth()
     };
-    assert!(level.check().expect_err("too high").starts_with("temporal_level"));
+    assert!(level.check().expect_err("too high").starts_with("temporal_level:"));
+    let levels = Truth {
+        temporal_levels: thresholds(0.0, 3.5, 0.5),
+        ..truth()
+    };
+    assert!(levels.check().expect_err("too high").starts_with("temporal_levels.to:"));
 }
 
 #[test]

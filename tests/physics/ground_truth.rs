@@ -2,6 +2,7 @@
 
 use std::sync::OnceLock;
 
+use crate::physics::exceedance::of_fields;
 use crate::physics::roll_twin::{printed as with_all_epsilon_1, truth};
 use crate::physics::seas::{detection, fields, gaussian, record};
 use encounter::numerics::fourier::WIDTH;
@@ -11,7 +12,6 @@ use encounter::sea::wave_field::{Record, WaveFields};
 use encounter::sea::wave_group::Groups;
 use encounter::ship::continuous_roll::{Timing, continuous_record};
 use encounter::ship::encounter::{Approach, Encounter, max_roll_along_record, max_roll_through_groups};
-use encounter::ship::exceedance::Exceedances;
 use encounter::ship::roll_equation::Ship;
 use encounter::ship::sample::Selection;
 use encounter::ship::simulation::Simulation;
@@ -63,14 +63,14 @@ fn true_responses(scene: &Scene, record: &Record) -> Vec<Vec<f64>> {
     let mut r = Vec::new();
     for (block, groups) in encounters(scene).chunks(WIDTH).enumerate() {
         let eta = elevation(scene, record, block);
-        let responses = continuous_record(&simulation, &timing, &eta, groups);
-        r.extend(responses[0].iter().map(|field| field.r.clone()));
+        let rolled = continuous_record(&simulation, &timing, &eta, groups);
+        r.extend(rolled.responses[0].iter().map(|field| field.r.clone()));
     }
     r
 }
 
 fn probability(r: &[Vec<f64>], theta_t: f64) -> (f64, f64) {
-    let counted = Exceedances::of_fields(&[theta_t], r.iter().map(Vec::as_slice));
+    let counted = of_fields(&[theta_t], r.iter().map(Vec::as_slice));
     let known = counted.probability(0).zip(counted.standard_error(0));
     known.expect("there are groups")
 }

@@ -3,7 +3,7 @@
 use super::roll_twin::{Trajectory, printed, truth};
 use encounter::numerics::elementary::cos;
 use encounter::numerics::lanes::Level;
-use encounter::ship::continuous_roll::{Timing, continuous_record, continuous_states};
+use encounter::ship::continuous_roll::{Rolled, Timing, continuous_record, continuous_states};
 use encounter::ship::encounter::Encounter;
 use encounter::ship::initial_condition::RollState;
 use encounter::ship::response::{Capsize, Response, Roll, Truth};
@@ -41,7 +41,7 @@ fn groups() -> Vec<Vec<Encounter>> {
     (0..7).map(|c| (0..6).map(|i| group(c, i)).collect()).collect()
 }
 
-fn twin(ship: &Ship, truth: &Truth, eta: &[[f64; 8]], groups: &[Vec<Encounter>]) -> Vec<Vec<Response>> {
+fn twin(ship: &Ship, truth: &Truth, eta: &[[f64; 8]], groups: &[Vec<Encounter>]) -> Rolled {
     let timing = timing();
     let of_field = |epsilon_1: f64, column: usize, list: &[Encounter]| {
         let wave = |j: i64| eta[j.rem_euclid(SAMPLES as i64) as usize][column];
@@ -58,7 +58,13 @@ fn twin(ship: &Ship, truth: &Truth, eta: &[[f64; 8]], groups: &[Vec<Encounter>])
             let (theta, _) = t.states[(s + timing.lead_in) as usize];
             theta.abs() > truth.temporal_level || t.capsizes.contains(s)
         };
-        Response {
+        let angle = |s: i64| {
+            let (theta, _) = t.states[(s + timing.lead_in) as usize];
+            let capsized = t.capsizes.contains(&s);
+            if capsized { truth.capsize_angle } else { theta.abs() }
+        };
+        let angles = (0..timing.steps).step_by(16).map(angle).collect();
+        let response = Response {
             r: if dropped {
                 Vec::new()
             } else {
@@ -67,13 +73,15 @@ fn twin(ship: &Ship, truth: &Truth, eta: &[[f64; 8]], groups: &[Vec<Encounter>])
             capsizes: t.capsizes.iter().copied().filter(record).count() as u32,
             time_above: (0..timing.steps).filter(is_above).count() as f64 / timing.steps as f64,
             dropped,
-        }
+        };
+        (response, angles)
     };
     let at = |epsilon_1: &f64| {
         let fields = groups.iter().enumerate();
-        fields.map(|(c, list)| of_field(*epsilon_1, c, list)).collect()
+        fields.map(|(c, list)| of_field(*epsilon_1, c, list)).unzip()
     };
-    ship.epsilon_1.iter().map(at).collect()
+    let (responses, angles) = ship.epsilon_1.iter().map(at).unzip();
+    Rolled { responses, angles }
 }
 
 fn agrees_with_its_twin(ship: &Ship, truth: &Truth) -> Vec<Vec<Response>> {
@@ -87,7 +95,7 @@ fn agrees_with_its_twin(ship: &Ship, truth: &Truth) -> Vec<Vec<Response>> {
         let found = continuous_record(&simulation, &timing(), &eta, &groups);
         assert_eq!(found, expected, "{level:?}");
     }
-    expected
+    expected.responses
 }
 
 #[test]
@@ -159,7 +167,7 @@ fn a_capsize_leaves_its_neighbours_alone() {
         row[2] *= 1e150;
     }
     let [before, after] = [&calm, &wild].map(|eta| continuous_record(&simulation, &timing(), eta, &groups));
-    for (before, after) in before.iter().zip(&after) {
+    for (before, after) in before.responses.iter().zip(&after.responses) {
         assert!(after[2].capsizes > 100 && after[2].r.iter().all(|r| *r == truth.capsize_angle));
         assert!([0, 1, 3, 4, 5, 6].iter().all(|c| before[*c] == after[*c]));
     }
@@ -178,6 +186,8 @@ fn rest_without_direct_excitation_has_no_response() {
         &elevation(),
         &groups(),
     );
+    assert!(found.angles.iter().flatten().flatten().all(|angle| *angle == 0.0));
+    let found = found.responses;
     assert!(found.iter().flatten().all(|f| f.capsizes == 0 && f.time_above == 0.0));
     assert!(found.iter().flatten().flat_map(|f| &f.r).all(|r| *r == 0.0));
 }
@@ -222,7 +232,7 @@ fn a_segment_holds_its_ends_even_where_one_step_capsizes() {
         let (ship, truth) = (printed(), Truth { roll, ..truth() });
         let found = continuous_record(&Simulation::new(&ship, &truth, h), &timing(), &eta, &groups);
         assert_eq!(found, twin(&ship, &truth, &eta, &groups));
-        assert!(found.iter().flatten().any(|f| f.capsizes > 16));
+        assert!(found.responses.iter().flatten().any(|f| f.capsizes > 16));
     }
 }
 
@@ -241,6 +251,7 @@ fn nothing_infinite_gets_out_of_an_overflow() {
     let found = continuous_record(&simulation, &timing(), &eta, &groups()[..1]);
     assert!(
         found
+            .responses
             .iter()
             .flatten()
             .flat_map(|f| &f.r)

@@ -1,6 +1,6 @@
 //! The slow, obvious twin of roll in lanes: one ship, one scalar loop, the whole trajectory kept.
 
-use encounter::ship::response::{Capsize, Roll, Truth};
+use encounter::ship::response::{Capsize, Roll, Truth, temporal_levels};
 use encounter::ship::roll_equation::{Damping, Ship};
 
 /// The ship as the paper prints it.
@@ -24,6 +24,7 @@ pub(crate) fn truth() -> Truth {
         capsize_angle: std::f64::consts::PI,
         capsize: Capsize::Restart,
         temporal_level: 0.25,
+        temporal_levels: temporal_levels(),
     }
 }
 
