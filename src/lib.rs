@@ -12,11 +12,12 @@
 //! | [`gp`] | Gaussian processes with input-dependent noise | §4 |
 //! | [`design`] | sequential sampling, its estimate, random sampling | §4 |
 //! | [`plot`] | one look for every figure and table | figures |
+//! | [`report`] | the paper's claims against what was found; the page that shows it all | findings |
 //! | [`numerics`] | mathematics without a ship in it; the only door to transcendental functions | |
 //! | [`engine`] | the cache: keys, store, schedule, lock; knows no wave and no ship | |
 //! | [`cli`] | the verbs; speaks, never computes | |
 //!
-//! Who may import whom: `stages` all but `cli`; `design` -> `gp` -> `numerics`; `sea`, `ship`, `plot` -> `numerics`;
+//! Who may import whom: `stages` all but `cli`; `design` -> `gp` -> `numerics`; `report` -> `plot`; `sea`, `ship`, `plot` -> `numerics`;
 //! `engine` nothing of ours. `tests/architecture` polices it, since the fingerprint of a stage's code follows these edges.
 
 pub mod cli;
@@ -25,6 +26,7 @@ pub mod engine;
 pub mod gp;
 pub mod numerics;
 pub mod plot;
+pub mod report;
 pub mod sea;
 pub mod ship;
 #[path = "../stages/mod.rs"]

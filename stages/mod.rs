@@ -59,6 +59,8 @@ pub const CONTENTS: &[&dyn Node] = &[
     node::<figures::table1::Table1>(),
     node::<figures::groups::Groups>(),
     node::<figures::truth::Truth>(),
+    node::<figures::findings::Findings>(),
+    node::<figures::index::Index>(),
 ];
 
 /// The pipeline of the paper.

@@ -22,5 +22,6 @@ mod physics;
 mod plots;
 mod published;
 mod reliability;
+mod report;
 mod reproduction;
 mod toy_tree;

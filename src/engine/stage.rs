@@ -76,6 +76,12 @@ impl Published {
             .map(|(extension, text)| (format!("{stem}.{extension}"), text));
         Self { files: named.collect() }
     }
+
+    /// The id of each file: the BLAKE3 hash of its bytes, in hexadecimal, by file name.
+    pub fn ids(&self) -> BTreeMap<String, String> {
+        let id = |text: &str| blake3::hash(text.as_bytes()).to_hex().to_string();
+        self.files.iter().map(|(name, text)| (name.clone(), id(text))).collect()
+    }
 }
 
 /// How a node is cut into pieces; items are counted over the whole node.

@@ -130,10 +130,25 @@ impl Sheet {
         let (title, description, fonts) = (escape(title), escape(description), style::FONTS);
         format!(
             "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{}\" height=\"{}\" viewBox=\"0 0 {w} {h}\" \
-             role=\"img\" xml:space=\"preserve\" font-family=\"{fonts}\">\n<title>{title}</title>\n<desc>{description}</desc>\n{}</svg>\n",
-            self.width, self.height, self.body
+             role=\"img\" xml:space=\"preserve\" font-family=\"{fonts}\">\n<title>{title}</title>\n<desc>{description}</desc>\n{}\n{}</svg>\n",
+            self.width,
+            self.height,
+            provenance(&title),
+            self.body
         )
     }
+}
+
+/// Where a picture comes from, in Dublin Core's words; the title is escaped already.
+fn provenance(title: &str) -> String {
+    format!(
+        "<metadata><rdf:RDF xmlns:rdf=\"http://www.w3.org/1999/02/22-rdf-syntax-ns#\" \
+         xmlns:dc=\"http://purl.org/dc/elements/1.1/\"><rdf:Description rdf:about=\"\"><dc:title>{title}</dc:title>\
+         <dc:creator>encounter</dc:creator><dc:format>image/svg+xml</dc:format>\
+         <dc:relation>https://arxiv.org/abs/2208.12907</dc:relation>\
+         <dc:source>the CSV file beside this picture; its id stands in artifacts/*.lock, its recipe in `encounter show`</dc:source>\
+         </rdf:Description></rdf:RDF></metadata>"
+    )
 }
 
 /// Takes the colours and widths that all elements have in common out of them, for the group around them.

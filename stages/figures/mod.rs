@@ -1,5 +1,6 @@
 //! The last stages: one published name, one file; data in, text out.
 
+pub mod captions;
 pub mod fig1_wave_groups;
 pub mod fig2_flowchart;
 pub mod fig3_exceedance;
@@ -8,7 +9,9 @@ pub mod fig5_vhgp_seq;
 pub mod fig6_jonswap_groups;
 pub mod fig7_temporal;
 pub mod fig8_method_error;
+pub mod findings;
 pub mod groups;
+pub mod index;
 pub mod panels;
 pub mod refusal;
 pub mod scenes;

@@ -3,11 +3,15 @@
 use crate::code_graph::CodeGraph;
 
 /// From a layer -> the layers it may name besides itself.
-const MAY_NAME: [(&str, &[&str]); 11] = [
+const MAY_NAME: [(&str, &[&str]); 12] = [
     ("main", &["cli"]),
     ("lib", &[]),
     ("cli", &["engine", "numerics", "stages"]),
-    ("stages", &["design", "engine", "gp", "numerics", "plot", "sea", "ship"]),
+    (
+        "stages",
+        &["design", "engine", "gp", "numerics", "plot", "report", "sea", "ship"],
+    ),
+    ("report", &["numerics", "plot"]),
     ("design", &["gp", "numerics"]),
     ("gp", &["numerics"]),
     ("sea", &["numerics"]),

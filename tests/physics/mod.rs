@@ -28,5 +28,6 @@ mod seas;
 mod self_test;
 mod sums;
 mod surrogate;
+mod temporal;
 mod traps;
 mod wave_field;

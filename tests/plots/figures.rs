@@ -4,7 +4,7 @@ use encounter::plot::convergence::{self, Estimates};
 use encounter::plot::exceedance::{self, Exceedance};
 use encounter::plot::style::Method;
 use encounter::plot::wave_groups::Series;
-use encounter::plot::{flowchart, jonswap_groups, response_moments, table, wave_groups};
+use encounter::plot::{flowchart, jonswap_groups, method_error, response_moments, table, temporal, wave_groups};
 
 use super::{samples, svg};
 
@@ -32,6 +32,11 @@ fn all() -> Vec<(&'static str, String)> {
         (
             "fig6_jonswap_groups",
             jonswap_groups::draw(&samples::jonswap_groups()).expect(drawn),
+        ),
+        ("fig7_temporal", temporal::draw(&samples::temporal()).expect(drawn)),
+        (
+            "fig8_method_error",
+            method_error::draw(&samples::method_error()).expect(drawn),
         ),
         ("table1", table::svg(&samples::table()).expect(drawn)),
         (

@@ -6,6 +6,8 @@ mod axes;
 mod csv;
 mod density;
 mod figures;
+mod method_error;
 mod samples;
 mod svg;
 mod table;
+mod temporal;

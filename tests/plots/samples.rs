@@ -5,9 +5,11 @@ use encounter::plot::convergence::{Convergence, Estimates};
 use encounter::plot::density::Density;
 use encounter::plot::exceedance::{Cell, Curve, Exceedance, Row};
 use encounter::plot::jonswap_groups::JonswapGroups;
+use encounter::plot::method_error::{self, MethodError};
 use encounter::plot::response_moments::{Moments, ResponseMoments, Shape};
 use encounter::plot::style::Method;
 use encounter::plot::table;
+use encounter::plot::temporal::{self, Temporal};
 use encounter::plot::wave_groups::{Group, Series, WaveGroups};
 
 /// Peak period, s.
@@ -304,5 +306,55 @@ pub(crate) fn table() -> table::Table {
         samples: 120,
         realisations: 100,
         rows,
+    }
+}
+
+/// The error of every method, from the same curves as Figure 3.
+pub(crate) fn method_error() -> MethodError {
+    let figure = exceedance(4, 3);
+    let row = |row: Row| method_error::Row {
+        spectrum: row.spectrum,
+        description: row.description,
+        cells: row.cells,
+    };
+    MethodError {
+        ship: figure.ship,
+        rows: figure.rows.into_iter().map(row).collect(),
+    }
+}
+
+/// Two detections that differ by a factor of two.
+pub(crate) fn temporal() -> Temporal {
+    let line = |scale: f64| {
+        let theta_t: Vec<f64> = (0..=12).map(|k| 0.1 * f64::from(k)).collect();
+        let probability: Vec<f64> = theta_t.iter().map(|theta_t| scale * erfc(2.5 * theta_t)).collect();
+        temporal::Line {
+            standard_error: probability.iter().map(|p| 0.05 * p).collect(),
+            theta_t,
+            probability,
+        }
+    };
+    let detection = |similarity_threshold: f64, scale: f64| temporal::Detection {
+        similarity_threshold,
+        by_groups: line(scale),
+        within_groups: line(0.9 * scale),
+    };
+    Temporal {
+        ship: "calibrated".to_owned(),
+        wholes: vec![temporal::Whole {
+            spectrum: "S1".to_owned(),
+            epsilon_1: 0.002,
+            fields: 31250,
+            by_time: line(0.8),
+        }],
+        spectrum: "S2".to_owned(),
+        fields: 960,
+        studies: vec![temporal::Study {
+            epsilon_1: 0.002,
+            by_time: line(0.8),
+            detections: vec![detection(0.75, 0.8), detection(0.85, 0.4)],
+        }],
+        drawn: 0,
+        reference: 0,
     }
 }

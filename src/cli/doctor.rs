@@ -1,0 +1,185 @@
+//! `encounter doctor`: whether this machine can make the paper, how long it will take, and whether the store is whole.
+
+use std::fs;
+use std::path::Path;
+use std::thread;
+use std::time::Instant;
+
+use clap::Args;
+use serde_json::json;
+
+use crate::cli::{Common, print_json, say};
+use crate::engine::audit::{Audit, audit};
+use crate::engine::error::{Error, Result};
+use crate::engine::plan::Plan;
+use crate::numerics::lanes::Level;
+use crate::numerics::self_test;
+
+/// Arguments of `encounter doctor`.
+#[derive(Debug, Args)]
+pub struct DoctorArgs {
+    #[command(flatten)]
+    common: Common,
+}
+
+/// What a run of a profile from nothing took on the reference machine, a 2-core Xeon with AVX-512.
+struct Reference {
+    /// Seconds of one core.
+    core_seconds: f64,
+    /// Peak memory, bytes.
+    memory: u64,
+    /// The store, bytes.
+    disk: u64,
+}
+
+/// What the self-test took there, s.
+const SELF_TEST: f64 = 0.0023;
+
+const GIB: f64 = 1_073_741_824.0;
+
+fn reference(profile: &str) -> Reference {
+    let (core_seconds, memory, disk) = match profile {
+        "paper" => (600.0, 2 << 30, 1 << 30),
+        "quick" => (30.0, 1 << 29, 1 << 27),
+        _ => (1.5, 1 << 28, 1 << 25),
+    };
+    Reference {
+        core_seconds,
+        memory,
+        disk,
+    }
+}
+
+/// Runs the verb.
+///
+/// # Errors
+/// A parameter or store that cannot be used; a store that is damaged.
+pub fn doctor(args: &DoctorArgs) -> Result<()> {
+    let session = args.common.open(&[])?;
+    let level = Level::current();
+    let cores = thread::available_parallelism().map_or(1, usize::from);
+    let bits = self_test::check(level);
+    let pace = pace(level);
+    let wanted = reference(args.common.profile.name());
+    let memory = memory();
+    let disk = room(&session.store);
+    let store = session.look_at_store()?;
+    let plan = Plan::new(&session.graph, &store, &[]);
+    let (pieces, left) = plan.nodes().iter().fold((0, 0), |(pieces, left), node| {
+        (pieces + node.pieces, left + node.will_run + node.may_run)
+    });
+    let cost = plan.cost();
+    // Recorded times where every piece has one, else the reference at this machine's pace.
+    let guess = wanted.core_seconds * pace * left as f64 / pieces.max(1) as f64;
+    let core_seconds = if cost.untimed == 0 { cost.at_most } else { guess };
+    let minutes = core_seconds / cores as f64 / 60.0;
+    let found = if session.store.is_dir() {
+        Some(audit(&session.store, cores, &|_, _| {})?)
+    } else {
+        None
+    };
+    let problems = problems(&wanted, memory, disk, bits.as_ref().err(), found.as_ref());
+    if args.common.json {
+        print_json(&json!({
+            "format": 1, "profile": args.common.profile.name(), "cores": cores, "level": level.name(),
+            "same_bits": bits.is_ok(), "pace": pace, "memory": memory, "disk": disk, "pieces": pieces, "left": left,
+            "minutes": minutes, "store": found, "problems": problems,
+        }));
+    } else {
+        say(format_args!(
+            "cores    {cores}, {}; {:.1} times the reference machine's time for the self-test",
+            level.name(),
+            pace
+        ));
+        say(format_args!("memory   {}; {} needs {}", gib(memory), args.common.profile.name(), gib(Some(wanted.memory))));
+        say(format_args!("disk     {}; a whole store needs {}", gib(disk), gib(Some(wanted.disk))));
+        say(format_args!("work     {} of {pieces} pieces left, about {}", left, span(minutes)));
+        match &found {
+            Some(found) => say(format_args!(
+                "store    {} objects, {:.1} MB, {} damaged, {} missing",
+                found.objects,
+                found.bytes as f64 / 1e6,
+                found.damaged.len(),
+                found.missing.len()
+            )),
+            None => say(format_args!("store    none yet at {}", session.store.display())),
+        }
+        for problem in &problems {
+            say(format_args!("problem  {problem}"));
+        }
+        if problems.is_empty() {
+            say(format_args!("all is well: `encounter run --profile {}`", args.common.profile.name()));
+        }
+    }
+    if problems.is_empty() {
+        Ok(())
+    } else {
+        Err(Error::Difference(problems.join("\n")))
+    }
+}
+
+/// How many times longer than on the reference machine the self-test takes, the best of five.
+fn pace(level: Level) -> f64 {
+    let mut least = f64::INFINITY;
+    for _ in 0..5 {
+        let start = Instant::now();
+        // What it says is asked for elsewhere.
+        let _ = self_test::check(level);
+        let seconds = start.elapsed().as_secs_f64();
+        least = if seconds < least { seconds } else { least };
+    }
+    least / SELF_TEST
+}
+
+/// The memory that is free, bytes, where Linux tells.
+fn memory() -> Option<u64> {
+    let text = fs::read_to_string("/proc/meminfo").ok()?;
+    let line = text.lines().find_map(|line| line.strip_prefix("MemAvailable:"))?;
+    let kibibytes: u64 = line.split_whitespace().next()?.parse().ok()?;
+    Some(1024 * kibibytes)
+}
+
+/// The room where the store lies or will lie, bytes.
+fn room(store: &Path) -> Option<u64> {
+    let there = store.ancestors().find(|folder| folder.is_dir()).unwrap_or(Path::new("."));
+    let there = if there.as_os_str().is_empty() { Path::new(".") } else { there };
+    let known = rustix::fs::statvfs(there).ok()?;
+    Some(known.f_bavail * known.f_frsize)
+}
+
+fn gib(bytes: Option<u64>) -> String {
+    bytes.map_or("unknown".to_owned(), |bytes| format!("{:.1} GiB", bytes as f64 / GIB))
+}
+
+fn span(minutes: f64) -> String {
+    if minutes < 1.0 {
+        format!("{:.0} s", 60.0 * minutes)
+    } else {
+        format!("{minutes:.1} min")
+    }
+}
+
+/// What stands in the way.
+fn problems(
+    wanted: &Reference,
+    memory: Option<u64>,
+    disk: Option<u64>,
+    bits: Option<&String>,
+    found: Option<&Audit>,
+) -> Vec<String> {
+    let mut all = Vec::new();
+    if let Some(why) = bits {
+        all.push(why.clone());
+    }
+    if memory.is_some_and(|free| free < wanted.memory) {
+        all.push(format!("memory: expected {} free, found {}", gib(Some(wanted.memory)), gib(memory)));
+    }
+    let held = found.map_or(0, |found| found.bytes);
+    if disk.is_some_and(|free| free + held < wanted.disk) {
+        all.push(format!("disk: expected {} free, found {}", gib(Some(wanted.disk)), gib(disk)));
+    }
+    if let Some(found) = found.filter(|found| !found.damaged.is_empty()) {
+        all.push(format!("store: {} damaged files; `encounter verify --store` names them", found.damaged.len()));
+    }
+    all
+}
