@@ -10,6 +10,7 @@ use crate::engine::arrow::Each;
 use crate::engine::error::Result;
 use crate::engine::stage::{Here, Pieces, Stage};
 use crate::numerics::fourier::WIDTH;
+use crate::numerics::rows::Rows;
 use crate::sea::wave_field::{Record, WaveFields};
 use crate::sea::wave_group::Groups;
 use crate::ship::continuous_roll::{Timing, continuous_record};
@@ -88,7 +89,7 @@ impl Stage for GroundTruth {
         let simulation = Simulation::new(&p.ship, &p.truth, timing.h);
         let encounters = Selection::new(groups.parameters(), &[]).groups;
         let mut synthesis = p.record.synthesis();
-        let mut eta = vec![[0.0; WIDTH]; samples];
+        let mut eta = Rows::new(samples);
         let mut fields = vec![Vec::new(); p.ship.epsilon_1.len()];
         for (block, encounters) in encounters.chunks(WIDTH).enumerate() {
             waves.elevation(block * WIDTH, &mut synthesis, &mut eta);

@@ -11,6 +11,7 @@ use crate::engine::arrow::{Each, One};
 use crate::engine::error::Result;
 use crate::engine::stage::{Here, Pieces, Stage};
 use crate::numerics::fourier::WIDTH;
+use crate::numerics::rows::Rows;
 use crate::sea::wave_field::{Record, WaveFields};
 use crate::sea::wave_group::{Groups, Sample};
 use crate::ship::encounter::{Approach, RecordRun, max_roll_along_record, max_roll_through_groups};
@@ -81,7 +82,7 @@ fn along_record(
     simulation: &Simulation<'_>,
 ) -> Vec<Vec<f64>> {
     let mut synthesis = p.record.synthesis();
-    let mut eta = vec![[0.0; WIDTH]; p.record.samples()];
+    let mut eta = Rows::new(p.record.samples());
     let mut r = vec![Vec::new(); p.ship.epsilon_1.len()];
     for first in (0..selection.groups.len()).step_by(WIDTH) {
         let in_block = |(field, _): &(usize, usize)| (first..first + WIDTH).contains(field);

@@ -8,6 +8,7 @@ use crate::engine::arrow::{All, PiecesOf};
 use crate::engine::error::Result;
 use crate::engine::stage::{Here, Stage};
 use crate::numerics::fourier::WIDTH;
+use crate::numerics::rows::Rows;
 use crate::sea::wave_field::{Record, WaveFields};
 use crate::ship::continuous_roll::{Timing, continuous_states};
 use crate::ship::initial_condition::{Ensemble, Pic};
@@ -42,7 +43,7 @@ impl Stage for RollEnsemble {
         let per_period = p.record.envelope_samples_per_period;
         let stride = p.record.samples_per_period / 2 / per_period;
         let mut synthesis = p.record.synthesis();
-        let mut eta = vec![[0.0; WIDTH]; samples];
+        let mut eta = Rows::new(samples);
         let mut states = vec![Vec::new(); p.ship.epsilon_1.len()];
         let mut field = 0;
         for piece in record.iter() {

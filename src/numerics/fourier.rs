@@ -12,6 +12,8 @@
 //! Tested against direct sums and plain rustfft in `tests/physics/fourier.rs`.
 
 use crate::numerics::elementary;
+use crate::numerics::lanes::{Level, dispatch_at};
+use crate::numerics::paired::{N, Paired, RealSeries};
 use num_complex::Complex;
 use num_traits::{FromPrimitive, Num, One, Signed, Zero};
 use rustfft::algorithm::Radix4;
@@ -27,7 +29,7 @@ pub const LONGEST: usize = 32_768;
 
 /// Eight numbers that go through the same arithmetic: one for each of eight fields.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[repr(transparent)]
+#[repr(C, align(64))]
 pub struct Lanes(pub [f64; WIDTH]);
 
 impl Lanes {
@@ -234,7 +236,11 @@ impl Transform {
 /// ```text
 /// z_(r + R q) = sum_k (c_k e^(2 pi i k r/M)) e^(2 pi i k q/N),   r = 0..R-1,  q = 0..N-1
 /// ```
+/// Real series of N = 1024, the paper's, go two shifts to a transform: [`crate::numerics::paired`].
 pub struct Synthesis {
+    /// Instruction set; it cannot change a result.
+    pub level: Level,
+    paired: Option<Paired>,
     length: usize,
     shifts: usize,
     transform: Transform,
@@ -255,6 +261,8 @@ impl Synthesis {
             "a series of {modes} modes needs a power of two of at least that many samples, not {samples}"
         );
         Self {
+            level: Level::current(),
+            paired: (length == N && samples > N).then(|| Paired::new(samples)),
             length,
             shifts: samples / length,
             transform: Transform::inverse(length),
@@ -271,7 +279,16 @@ impl Synthesis {
 
     /// Writes Re z_j; `spectrum[k - 1]` is c_k, `out` has [`Synthesis::samples`] entries.
     pub fn real_series(&mut self, spectrum: &[Complex<Lanes>], out: &mut [[f64; WIDTH]]) {
-        self.series(spectrum, out, |z| z.re.0);
+        assert!(spectrum.len() <= self.length, "no more modes than planned");
+        assert_eq!(
+            out.len(),
+            self.samples(),
+            "the series has the planned number of samples"
+        );
+        match &mut self.paired {
+            Some(plan) => dispatch_at(self.level, RealSeries { plan, spectrum, out }),
+            None => self.series(spectrum, out, |z| z.re.0),
+        }
     }
 
     /// Writes |z_j|; `spectrum[k - 1]` is c_k, `out` has [`Synthesis::samples`] entries.

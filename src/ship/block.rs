@@ -17,6 +17,10 @@ use crate::ship::simulation::{COLUMNS, LANES, Simulation};
 
 /// Steps of a block.
 pub(crate) const BLOCK: usize = 16;
+/// Peaks evaluated side by side.
+const AT_ONCE: usize = 8;
+/// The sign of a number.
+const SIGN: u64 = 1 << 63;
 
 /// What the inner loops need of [`Simulation`].
 #[derive(Clone, Copy)]
@@ -61,12 +65,13 @@ pub(crate) struct Block {
     pub(crate) theta_dot: [[f64; LANES]; BLOCK + 1],
     /// Roll as measured, rad, capsize_angle at a capsize; (n + 1, lanes).
     pub(crate) measured: [[f64; LANES]; BLOCK + 1],
-    /// Largest measured roll over each step, both ends and the peak inside included, rad; (n, lanes).
-    pub(crate) maximum: [[f64; LANES]; BLOCK],
     /// Capsizes in this block.
     pub(crate) capsizes: [f64; LANES],
+    /// Whether there are any.
+    pub(crate) has_capsizes: bool,
     /// Steps in use.
     pub(crate) n: usize,
+    rules: Rules,
 }
 
 impl Block {
@@ -77,9 +82,10 @@ impl Block {
             theta: [[0.0; LANES]; BLOCK + 1],
             theta_dot: [[0.0; LANES]; BLOCK + 1],
             measured: [[0.0; LANES]; BLOCK + 1],
-            maximum: [[0.0; LANES]; BLOCK],
             capsizes: [0.0; LANES],
+            has_capsizes: false,
             n: 0,
+            rules,
         };
         for (lane, state) in initial.iter().enumerate() {
             block.theta[0][lane] = state.theta;
@@ -90,84 +96,202 @@ impl Block {
     }
 
     /// Goes on by n RK4 steps from where the block ended.
+    ///
+    /// Capsizes are rare: the block is run as if there were none, and again step by step if there are.
     #[inline(always)]
     pub(crate) fn advance<const CUBIC: bool>(
         &mut self,
         equation: &RollEquation<LANES, CUBIC>,
-        rules: Rules,
         n: usize,
         eta: &[[f64; COLUMNS]; 2 * BLOCK + 1],
     ) {
-        let (mut theta, mut theta_dot) = (self.theta[self.n], self.theta_dot[self.n]);
-        self.theta[0] = theta;
-        self.theta_dot[0] = theta_dot;
+        let rules = self.rules;
+        self.theta[0] = self.theta[self.n];
+        self.theta_dot[0] = self.theta_dot[self.n];
         self.measured[0] = self.measured[self.n];
-        let mut capsizes = [0.0; LANES];
+        self.n = n;
+        let (mut theta, mut theta_dot) = (self.theta[0], self.theta_dot[0]);
+        let mut highest = [0.0; LANES];
         for k in 0..n {
-            let forcing = [spread(&eta[2 * k]), spread(&eta[2 * k + 1]), spread(&eta[2 * k + 2])];
-            let acceleration = |x, v, eta| equation.acceleration(x, v, eta);
-            (theta, theta_dot) = rk4::step(acceleration, rules.h, theta, theta_dot, forcing);
-            let mut upright = true;
+            (theta, theta_dot) = stepped(equation, rules.h, theta, theta_dot, k, eta);
             for i in 0..LANES {
                 self.measured[k + 1][i] = rules.measured(theta[i]);
-                upright &= rules.is_upright(theta[i], theta_dot[i]);
-            }
-            // Capsizes are rare: one branch for all lanes, then a select per lane.
-            if !upright {
-                for i in 0..LANES {
-                    let upright = rules.is_upright(theta[i], theta_dot[i]);
-                    theta[i] = if upright { theta[i] } else { 0.0 };
-                    theta_dot[i] = if upright { theta_dot[i] } else { 0.0 };
-                    self.measured[k + 1][i] = if upright {
-                        self.measured[k + 1][i]
-                    } else {
-                        rules.capsize_angle
-                    };
-                    capsizes[i] += if upright { 0.0 } else { 1.0 };
-                }
+                highest[i] = if theta[i].abs() > highest[i] {
+                    theta[i].abs()
+                } else {
+                    highest[i]
+                };
             }
             self.theta[k + 1] = theta;
             self.theta_dot[k + 1] = theta_dot;
         }
-        self.n = n;
-        self.capsizes = capsizes;
+        // A state that is no number stays none: the last one tells of all.
+        let mut upright = true;
+        for i in 0..LANES {
+            upright &= (highest[i] <= rules.capsize_angle) & rules.is_upright(theta[i], theta_dot[i]);
+        }
+        self.has_capsizes = !upright;
+        if !upright {
+            self.capsizes = [0.0; LANES];
+            self.restart_where_capsized(equation, eta);
+        }
     }
 
-    /// The largest roll over each step of the block.
+    /// The block again from its start, with a restart at every capsize.
     #[inline(always)]
-    pub(crate) fn find_maxima(&mut self, rules: Rules) {
+    fn restart_where_capsized<const CUBIC: bool>(
+        &mut self,
+        equation: &RollEquation<LANES, CUBIC>,
+        eta: &[[f64; COLUMNS]; 2 * BLOCK + 1],
+    ) {
+        let rules = self.rules;
+        let (mut theta, mut theta_dot) = (self.theta[0], self.theta_dot[0]);
         for k in 0..self.n {
-            for first in (0..LANES).step_by(COLUMNS) {
-                let [mut x, mut v] = [[[0.0; COLUMNS]; 2]; 2];
-                let mut largest = [0.0; COLUMNS];
-                let mut signs = 0;
-                for i in 0..COLUMNS {
-                    let lane = first + i;
-                    x[0][i] = self.theta[k][lane];
-                    x[1][i] = self.theta[k + 1][lane];
-                    v[0][i] = self.theta_dot[k][lane];
-                    v[1][i] = self.theta_dot[k + 1][lane];
-                    let (start, end) = (self.measured[k][lane], self.measured[k + 1][lane]);
-                    largest[i] = if end > start { end } else { start };
-                    signs |= v[0][i].to_bits() ^ v[1][i].to_bits();
+            (theta, theta_dot) = stepped(equation, rules.h, theta, theta_dot, k, eta);
+            for i in 0..LANES {
+                let upright = rules.is_upright(theta[i], theta_dot[i]);
+                let measured = rules.measured(theta[i]);
+                self.measured[k + 1][i] = if upright { measured } else { rules.capsize_angle };
+                theta[i] = if upright { theta[i] } else { 0.0 };
+                theta_dot[i] = if upright { theta_dot[i] } else { 0.0 };
+                self.capsizes[i] += if upright { 0.0 } else { 1.0 };
+            }
+            self.theta[k + 1] = theta;
+            self.theta_dot[k + 1] = theta_dot;
+        }
+    }
+
+    /// The largest measured roll over the block, both ends and all peaks included, in every lane.
+    #[inline(always)]
+    pub(crate) fn largest(&self) -> [f64; LANES] {
+        let mut largest = self.measured[0];
+        // The signs of theta_dot, the start's lowest.
+        let mut signs = [0; LANES];
+        for i in 0..LANES {
+            signs[i] = self.theta_dot[0][i].to_bits() & SIGN;
+        }
+        for k in 1..=self.n {
+            for i in 0..LANES {
+                let measured = self.measured[k][i];
+                largest[i] = if measured > largest[i] { measured } else { largest[i] };
+                signs[i] = (signs[i] >> 1) | (self.theta_dot[k][i].to_bits() & SIGN);
+            }
+        }
+        let mut turns = [0; LANES];
+        for i in 0..LANES {
+            turns[i] = (signs[i] ^ (signs[i] << 1)) >> (64 - self.n);
+        }
+        self.raise_to_peaks(turns, &mut largest);
+        largest
+    }
+
+    /// Raises the largest roll to the peaks inside the steps at which theta_dot changes sign: bit k of a lane's `turns`.
+    #[inline(always)]
+    fn raise_to_peaks(&self, mut turns: [u64; LANES], largest: &mut [f64; LANES]) {
+        // Rarely does a lane turn twice in one block: then once more.
+        loop {
+            let mut found = [(0, 0); LANES];
+            let mut count = 0;
+            let mut left = 0;
+            for lane in 0..LANES {
+                let turn = turns[lane];
+                found[count] = (lane, turn.trailing_zeros() as usize);
+                count += usize::from(turn != 0);
+                turns[lane] = turn & turn.wrapping_sub(1);
+                left |= turns[lane];
+            }
+            for first in (0..count).step_by(AT_ONCE) {
+                let mut places = [found[first]; AT_ONCE];
+                for (place, turn) in places.iter_mut().zip(&found[first..count]) {
+                    *place = *turn;
                 }
-                // Most steps have no peak in any of the eight columns, and the root costs more than the step.
-                if signs >> 63 == 1 {
-                    let peak = hermite::extremum(rules.h, x, v);
-                    for i in 0..COLUMNS {
-                        let there = rules.measured(peak[i]);
-                        let there = if there > rules.capsize_angle {
-                            rules.capsize_angle
-                        } else {
-                            there
-                        };
-                        largest[i] = if there > largest[i] { there } else { largest[i] };
-                    }
+                let peaks = self.peaks(places);
+                for (peak, (lane, _)) in peaks.into_iter().zip(places) {
+                    largest[lane] = if peak > largest[lane] { peak } else { largest[lane] };
                 }
-                self.maximum[k][first..first + COLUMNS].copy_from_slice(&largest);
+            }
+            if left == 0 {
+                return;
             }
         }
     }
+
+    /// The measured extrema inside some steps, (lane, step), at most capsize_angle.
+    #[inline(always)]
+    fn peaks<const L: usize>(&self, places: [(usize, usize); L]) -> [f64; L] {
+        let [mut x, mut v] = [[[0.0; L]; 2]; 2];
+        for (j, (lane, k)) in places.into_iter().enumerate() {
+            let k = k % BLOCK;
+            for end in 0..2 {
+                x[end][j] = self.theta[k + end][lane];
+                v[end][j] = self.theta_dot[k + end][lane];
+            }
+        }
+        let mut peaks = hermite::extremum(self.rules.h, x, v);
+        for peak in &mut peaks {
+            let there = self.rules.measured(*peak);
+            *peak = if there > self.rules.capsize_angle {
+                self.rules.capsize_angle
+            } else {
+                there
+            };
+        }
+        peaks
+    }
+
+    /// The largest measured roll over some steps of one lane, both ends and all peaks included.
+    #[inline(always)]
+    pub(crate) fn largest_over(&self, lane: usize, steps: std::ops::Range<usize>) -> f64 {
+        let mut largest = f64::NEG_INFINITY;
+        for k in steps {
+            let (start, end) = (self.measured[k][lane], self.measured[k + 1][lane]);
+            largest = if start > largest { start } else { largest };
+            largest = if end > largest { end } else { largest };
+            let signs = self.theta_dot[k][lane].to_bits() ^ self.theta_dot[k + 1][lane].to_bits();
+            if signs & SIGN != 0 {
+                let [peak] = self.peaks([(lane, k)]);
+                largest = if peak > largest { peak } else { largest };
+            }
+        }
+        largest
+    }
+
+    /// The number of full steps, the start left out, with |theta| above a level; a capsize is above.
+    #[inline(always)]
+    pub(crate) fn time_above(&self, level: f64) -> [f64; LANES] {
+        let mut count = [0.0; LANES];
+        for k in 1..=self.n {
+            for i in 0..LANES {
+                count[i] += if self.theta[k][i].abs() > level { 1.0 } else { 0.0 };
+            }
+        }
+        if self.has_capsizes && self.rules.capsize_angle > level {
+            for i in 0..LANES {
+                count[i] += self.capsizes[i];
+            }
+        }
+        count
+    }
+}
+
+/// One RK4 step from the k-th full step of a block.
+#[inline(always)]
+fn stepped<const CUBIC: bool>(
+    equation: &RollEquation<LANES, CUBIC>,
+    h: f64,
+    theta: [f64; LANES],
+    theta_dot: [f64; LANES],
+    k: usize,
+    eta: &[[f64; COLUMNS]; 2 * BLOCK + 1],
+) -> ([f64; LANES], [f64; LANES]) {
+    let forcing = [spread(&eta[2 * k]), spread(&eta[2 * k + 1]), spread(&eta[2 * k + 2])];
+    rk4::step(
+        |x, v, eta| equation.acceleration(x, v, eta),
+        h,
+        theta,
+        theta_dot,
+        forcing,
+    )
 }
 
 /// The elevation of each lane's column.

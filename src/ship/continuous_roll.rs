@@ -97,7 +97,7 @@ pub fn continuous_record(
 struct TruthObserver<'a> {
     simulation: &'a Simulation<'a>,
     timing: &'a Timing,
-    maxima: SegmentMaxima<'a>,
+    maxima: SegmentMaxima,
     /// Per lane: capsizes in [0, T_f), capsizes in the whole run, full steps above the temporal level in [0, T_f).
     capsizes: [f64; LANES],
     capsizes_in_run: [f64; LANES],
@@ -105,7 +105,7 @@ struct TruthObserver<'a> {
 }
 
 impl<'a> TruthObserver<'a> {
-    fn new(simulation: &'a Simulation<'a>, timing: &'a Timing, segments: &'a [Vec<Segment>], epsilons: usize) -> Self {
+    fn new(simulation: &'a Simulation<'a>, timing: &'a Timing, segments: &[Vec<Segment>], epsilons: usize) -> Self {
         Self {
             simulation,
             timing,
@@ -138,29 +138,26 @@ impl<'a> TruthObserver<'a> {
 
 impl Observer for TruthObserver<'_> {
     #[inline(always)]
-    fn needs_maxima(&self, end: i64) -> bool {
-        self.maxima.is_open(end)
-    }
-
-    #[inline(always)]
     fn observe(&mut self, step: i64, block: &Block) {
         let counts = step >= -1 && step < self.timing.steps - 1;
         if counts {
             add(
                 &mut self.above,
-                &time_above(block, self.simulation.truth.temporal_level),
+                &block.time_above(self.simulation.truth.temporal_level),
             );
-            add(&mut self.capsizes, &block.capsizes);
         }
-        add(&mut self.capsizes_in_run, &block.capsizes);
-        if self.maxima.is_open(step + block.n as i64) {
-            self.maxima.gather(step, block);
+        if block.has_capsizes {
+            add(&mut self.capsizes_in_run, &block.capsizes);
+            if counts {
+                add(&mut self.capsizes, &block.capsizes);
+            }
         }
+        self.maxima.gather(step, block);
     }
 
     #[inline(always)]
     fn finish(&mut self) {
-        self.maxima.settle();
+        self.maxima.finish();
     }
 }
 
@@ -169,19 +166,6 @@ fn add(totals: &mut [f64; LANES], terms: &[f64; LANES]) {
     for (total, term) in totals.iter_mut().zip(terms) {
         *total += term;
     }
-}
-
-/// The number of full steps of a block, its start left out, with |theta| above a level; a capsize is above.
-#[inline(always)]
-fn time_above(block: &Block, level: f64) -> [f64; LANES] {
-    let mut count = [0.0; LANES];
-    for k in 1..=block.n {
-        for i in 0..LANES {
-            let above = block.theta[k][i].abs() > level || block.measured[k][i] > level;
-            count[i] += if above { 1.0 } else { 0.0 };
-        }
-    }
-    count
 }
 
 /// States (theta, theta_dot) of continuous roll in [0, T_f), every `stride` full steps: `[epsilon_1][field][time]`.
@@ -220,11 +204,6 @@ struct StateObserver<'a> {
 }
 
 impl Observer for StateObserver<'_> {
-    #[inline(always)]
-    fn needs_maxima(&self, _: i64) -> bool {
-        false
-    }
-
     #[inline(always)]
     fn observe(&mut self, step: i64, block: &Block) {
         // The row of a full step is the start of its block: every full step is seen once.

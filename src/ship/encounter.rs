@@ -189,24 +189,17 @@ fn side_by_side<W: Waves>(
     r
 }
 
-struct RunObserver<'a>(SegmentMaxima<'a>);
+struct RunObserver(SegmentMaxima);
 
-impl Observer for RunObserver<'_> {
-    #[inline(always)]
-    fn needs_maxima(&self, end: i64) -> bool {
-        self.0.is_open(end)
-    }
-
+impl Observer for RunObserver {
     #[inline(always)]
     fn observe(&mut self, step: i64, block: &Block) {
-        if self.0.is_open(step + block.n as i64) {
-            self.0.gather(step, block);
-        }
+        self.0.gather(step, block);
     }
 
     #[inline(always)]
     fn finish(&mut self) {
-        self.0.settle();
+        self.0.finish();
     }
 }
 

@@ -1,16 +1,12 @@
 //! Segments of a run and the largest roll in each: the r_i of Eq. (1).
 //!
 //! A segment is the set of whole steps inside [t_i - window l_i, t_i + window l_i]: a peak between two full steps counts
-//! if both lie in the segment, a capsize at a full step counts if that instant does. Steps of a run are gathered in rows
-//! of lanes, sixteen rows are condensed into one, and every 1,024 steps the segments take what lies in them.
+//! if both lie in the segment, a capsize at a full step counts if that instant does. Between two bounds of a column's
+//! segments its lanes keep one running maximum, which goes to every open segment at the next bound: blocks without a bound
+//! are taken in whole.
 
-use crate::ship::block::{BLOCK, Block};
+use crate::ship::block::Block;
 use crate::ship::simulation::{COLUMNS, LANES};
-
-/// Rows gathered before the segments take their maxima: small enough for the second-level cache.
-const ROWS: usize = 1024;
-/// Rows condensed into one.
-const CONDENSED: usize = 16;
 
 /// Full steps `first..=last` of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -49,108 +45,125 @@ impl Segment {
     }
 }
 
+/// A segment of a column opens or closes.
+struct Bound {
+    step: i64,
+    column: usize,
+    index: usize,
+    opens: bool,
+}
+
 /// The largest roll in every segment of every column, gathered along a run.
-pub(crate) struct SegmentMaxima<'a> {
-    columns: &'a [Vec<Segment>],
-    opening: i64,
+pub(crate) struct SegmentMaxima {
     epsilons: usize,
     /// Largest roll so far, `[epsilon_1][column][segment]`, rad.
     pub(crate) r: Vec<Vec<Vec<f64>>>,
-    base: i64,
-    // (rows, lanes), row-major.
-    rows: Vec<f64>,
-    condensed: Vec<f64>,
+    /// All bounds in the order of time, the next one first in `next..`.
+    bounds: Vec<Bound>,
+    next: usize,
+    // Per column, the open segments.
+    open: [Vec<usize>; COLUMNS],
+    /// Open segments of all columns.
+    count: usize,
+    // Per lane, the largest roll since its column's last bound.
+    since: [f64; LANES],
 }
 
-impl<'a> SegmentMaxima<'a> {
-    pub(crate) fn new(columns: &'a [Vec<Segment>], epsilons: usize) -> Self {
+impl SegmentMaxima {
+    pub(crate) fn new(columns: &[Vec<Segment>], epsilons: usize) -> Self {
         let unseen: Vec<Vec<f64>> = columns.iter().map(|list| vec![f64::NEG_INFINITY; list.len()]).collect();
+        let mut bounds = Vec::new();
+        for (column, segments) in columns.iter().enumerate() {
+            for (index, segment) in segments.iter().enumerate() {
+                for (step, opens) in [(segment.first, true), (segment.last, false)] {
+                    bounds.push(Bound {
+                        step,
+                        column,
+                        index,
+                        opens,
+                    });
+                }
+            }
+        }
+        bounds.sort_by_key(|bound| bound.step);
         Self {
-            columns,
-            opening: columns
-                .iter()
-                .flatten()
-                .map(|segment| segment.first)
-                .min()
-                .unwrap_or(i64::MAX),
             epsilons,
             r: vec![unseen; epsilons],
-            base: 0,
-            rows: Vec::with_capacity(ROWS * LANES),
-            condensed: Vec::with_capacity(ROWS / CONDENSED * LANES),
+            bounds,
+            next: 0,
+            open: std::array::from_fn(|_| Vec::new()),
+            count: 0,
+            since: [f64::NEG_INFINITY; LANES],
         }
     }
 
-    /// Whether some segment reaches into the steps before `end`.
-    pub(crate) fn is_open(&self, end: i64) -> bool {
-        end > self.opening
-    }
-
-    /// Gathers the maxima of a block that starts at this step.
+    /// Takes in the roll of a block that starts at this step.
     #[inline(always)]
     pub(crate) fn gather(&mut self, step: i64, block: &Block) {
-        if self.rows.len() + BLOCK * LANES > ROWS * LANES {
-            self.settle();
+        let end = step + block.n as i64;
+        let is_whole = self.bounds.get(self.next).is_none_or(|bound| bound.step >= end);
+        if is_whole && self.count == 0 {
+            return;
         }
-        if self.rows.is_empty() {
-            self.base = step;
+        let mut largest = block.largest();
+        if !is_whole {
+            self.pass_bounds(step, block, &mut largest);
         }
-        self.rows.extend_from_slice(block.maximum[..block.n].as_flattened());
+        for i in 0..LANES {
+            let since = self.since[i];
+            self.since[i] = if largest[i] > since { largest[i] } else { since };
+        }
     }
 
-    /// Gives the gathered rows to the segments.
-    #[inline(always)]
-    pub(crate) fn settle(&mut self) {
-        self.condensed.clear();
-        for rows in self.rows.chunks_exact(CONDENSED * LANES) {
-            self.condensed.extend_from_slice(&largest(rows));
+    /// Passes the bounds inside a block; `largest` becomes what comes after a column's last one.
+    fn pass_bounds(&mut self, step: i64, block: &Block, largest: &mut [f64; LANES]) {
+        let mut from = [0; COLUMNS];
+        while let Some(bound) = self.bounds.get(self.next).filter(|bound| bound.step < step + block.n as i64) {
+            let (column, index, opens) = (bound.column, bound.index, bound.opens);
+            // A segment that starts before its run is open from the run's start.
+            let to = (bound.step - step).max(0) as usize;
+            for lane in (column..LANES).step_by(COLUMNS).take(self.epsilons) {
+                let before = block.largest_over(lane, from[column]..to);
+                self.since[lane] = if before > self.since[lane] {
+                    before
+                } else {
+                    self.since[lane]
+                };
+            }
+            from[column] = to;
+            self.settle(column);
+            if opens {
+                self.open[column].push(index);
+                self.count += 1;
+            } else {
+                self.open[column].retain(|open| *open != index);
+                self.count -= 1;
+            }
+            self.next += 1;
         }
-        self.take();
-        self.rows.clear();
-    }
-
-    /// Every segment takes the maximum of the gathered rows it holds.
-    fn take(&mut self) {
-        let count = (self.rows.len() / LANES) as i64;
-        for (column, segments) in self.columns.iter().enumerate() {
-            for (index, segment) in segments.iter().enumerate() {
-                let from = (segment.first - self.base).max(0) as usize;
-                let to = (segment.last - self.base).clamp(0, count) as usize;
-                for e in 0..self.epsilons {
-                    let found = self.maximum_over(e * COLUMNS + column, from, to);
-                    let r = &mut self.r[e][column][index];
-                    *r = if found > *r { found } else { *r };
-                }
+        for column in (0..COLUMNS).filter(|column| from[*column] > 0) {
+            for lane in (column..LANES).step_by(COLUMNS).take(self.epsilons) {
+                largest[lane] = block.largest_over(lane, from[column]..block.n);
             }
         }
     }
 
-    /// The maximum of one lane over the rows from..to.
-    fn maximum_over(&self, lane: usize, from: usize, to: usize) -> f64 {
-        let mut largest = f64::NEG_INFINITY;
-        let mut k = from;
-        while k < to {
-            let whole = k.is_multiple_of(CONDENSED) && k + CONDENSED <= to;
-            let (value, taken) = if whole {
-                (self.condensed[k / CONDENSED * LANES + lane], CONDENSED)
-            } else {
-                (self.rows[k * LANES + lane], 1)
-            };
-            largest = if value > largest { value } else { largest };
-            k += taken;
+    /// Gives what a column gathered since its last bound to its open segments.
+    fn settle(&mut self, column: usize) {
+        for (e, columns) in self.r.iter_mut().enumerate() {
+            let since = &mut self.since[e * COLUMNS + column];
+            for index in &self.open[column] {
+                let r = &mut columns[column][*index];
+                *r = if *since > *r { *since } else { *r };
+            }
+            *since = f64::NEG_INFINITY;
         }
-        largest
     }
-}
 
-/// The largest of some rows, lane by lane.
-#[inline(always)]
-fn largest(rows: &[f64]) -> [f64; LANES] {
-    let mut result = [f64::NEG_INFINITY; LANES];
-    for row in rows.as_chunks::<LANES>().0 {
-        for i in 0..LANES {
-            result[i] = if row[i] > result[i] { row[i] } else { result[i] };
+    /// Gives what is left to the segments that end with the run.
+    pub(crate) fn finish(&mut self) {
+        for column in 0..COLUMNS {
+            self.settle(column);
         }
     }
-    result
 }

@@ -49,8 +49,6 @@ pub(crate) trait Waves {
 
 /// What looks at the roll, block by block.
 pub(crate) trait Observer {
-    /// Whether the maxima of a block that ends at this step are of use.
-    fn needs_maxima(&self, end: i64) -> bool;
     /// Looks at a block that starts at this step.
     fn observe(&mut self, step: i64, block: &Block);
     /// Takes note that the run is over.
@@ -130,14 +128,10 @@ impl<const CUBIC: bool, W: Waves, O: Observer> Kernel for WithDamping<CUBIC, Int
         let mut step = task.span.steps.start;
         while step < task.span.steps.end {
             let n = task.span.block_length(step);
-            let end = step + n as i64;
             task.waves.fill(step, &mut eta[..=2 * n]);
-            block.advance(&equation, rules, n, &eta);
-            if task.observer.needs_maxima(end) {
-                block.find_maxima(rules);
-            }
+            block.advance(&equation, n, &eta);
             task.observer.observe(step, &block);
-            step = end;
+            step += n as i64;
         }
         task.observer.finish();
     }
