@@ -305,13 +305,9 @@ fn finish(half: f64, local: &mut [Wide; SIDE]) {
     for x in local.as_chunks_mut::<8>().0 {
         for i in 0..WIDTH {
             let [a, b, c, d] = [&x[0], &x[2], &x[4], &x[6]];
-            let even = four([
-                a.re[i], a.im[i], b.re[i], b.im[i], c.re[i], c.im[i], d.re[i], d.im[i],
-            ]);
+            let even = four([a.re[i], a.im[i], b.re[i], b.im[i], c.re[i], c.im[i], d.re[i], d.im[i]]);
             let [a, b, c, d] = [&x[1], &x[3], &x[5], &x[7]];
-            let odd = four([
-                a.re[i], a.im[i], b.re[i], b.im[i], c.re[i], c.im[i], d.re[i], d.im[i],
-            ]);
+            let odd = four([a.re[i], a.im[i], b.re[i], b.im[i], c.re[i], c.im[i], d.re[i], d.im[i]]);
             // Turns by an eighth, a quarter, three eighths: i times the first one again.
             let (re_1, im_1) = ((odd[2] - odd[3]) * half, (odd[2] + odd[3]) * half);
             let (re_3, im_3) = ((odd[6] - odd[7]) * half, (odd[6] + odd[7]) * half);

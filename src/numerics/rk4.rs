@@ -18,12 +18,12 @@ fn moved<const L: usize>(x: [f64; L], by: f64, rate: [f64; L]) -> [f64; L] {
     result
 }
 
-/// The weighted slope k_1 + 2 (k_2 + k_3) + k_4, in every lane.
+/// x + by (k_1 + 2 (k_2 + k_3) + k_4), in every lane.
 #[inline(always)]
-fn slope<const L: usize>(k: [[f64; L]; 4]) -> [f64; L] {
+fn advanced<const L: usize>(x: [f64; L], by: f64, k: [[f64; L]; 4]) -> [f64; L] {
     let mut result = [0.0; L];
     for i in 0..L {
-        result[i] = k[0][i] + 2.0 * (k[1][i] + k[2][i]) + k[3][i];
+        result[i] = x[i] + by * (k[0][i] + 2.0 * (k[1][i] + k[2][i]) + k[3][i]);
     }
     result
 }
@@ -49,7 +49,7 @@ pub fn step<const L: usize>(
     let v_4 = moved(theta_dot, h, k_3);
     let k_4 = acceleration(moved(theta, h, v_3), v_4, next);
     (
-        moved(theta, h / 6.0, slope([theta_dot, v_2, v_3, v_4])),
-        moved(theta_dot, h / 6.0, slope([k_1, k_2, k_3, k_4])),
+        advanced(theta, h / 6.0, [theta_dot, v_2, v_3, v_4]),
+        advanced(theta_dot, h / 6.0, [k_1, k_2, k_3, k_4]),
     )
 }

@@ -19,11 +19,12 @@ use crate::numerics::sums::sum;
 type Part = (&'static str, fn(Level) -> u64, u64);
 
 /// The parts, least dependent first: the first that differs is the one to look at.
-const PARTS: [Part; 6] = [
+const PARTS: [Part; 7] = [
     ("the elementary functions (pxfm)", elementary, 0x72a5_ecb0_e5c3_4bd7),
     ("the lane functions", lane_functions, 0x4daa_5025_1643_d6a6),
     ("sums and normal quantiles", quantiles, 0x25a8_a9a4_e767_1d24),
     ("the Fourier transform (rustfft)", fourier, 0x4c29_0621_460e_7e70),
+    ("the transform of 1,024 modes", synthesis, 0x0),
     ("the Runge-Kutta step", runge_kutta, 0x92ea_85c3_62c4_f528),
     ("the Cholesky factor", cholesky, 0x6d96_6564_730d_ad82),
 ];
@@ -114,17 +115,28 @@ fn quantiles(_: Level) -> u64 {
     fold(quantiles.into_iter().chain([sum(&x), sum(&quantiles)]))
 }
 
-fn fourier(_: Level) -> u64 {
+fn fourier(level: Level) -> u64 {
+    series(32, 128, level)
+}
+
+fn synthesis(level: Level) -> u64 {
+    series(1024, 2048, level)
+}
+
+/// A real series of so many modes.
+fn series(modes: usize, samples: usize, level: Level) -> u64 {
     let x = points::<64>();
     let lanes = |k: usize| Lanes(std::array::from_fn(|i| x[(k + 7 * i) % 64] - 0.5));
-    let spectrum: Vec<Complex<Lanes>> = (0..32)
+    let spectrum: Vec<Complex<Lanes>> = (0..modes)
         .map(|k| Complex {
             re: lanes(k),
             im: lanes(k + 32),
         })
         .collect();
-    let mut series = vec![[0.0; WIDTH]; 128];
-    Synthesis::new(32, 128).real_series(&spectrum, &mut series);
+    let mut series = vec![[0.0; WIDTH]; samples];
+    let mut synthesis = Synthesis::new(modes, samples);
+    synthesis.level = level;
+    synthesis.real_series(&spectrum, &mut series);
     fold(series.into_iter().flatten())
 }
 

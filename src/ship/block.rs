@@ -13,7 +13,7 @@ use crate::numerics::{hermite, rk4};
 use crate::ship::initial_condition::RollState;
 use crate::ship::response::Roll;
 use crate::ship::roll_equation::RollEquation;
-use crate::ship::simulation::{COLUMNS, LANES, Simulation};
+use crate::ship::simulation::{BlockRows, COLUMNS, LANES, Simulation};
 
 /// Steps of a block.
 pub(crate) const BLOCK: usize = 16;
@@ -103,7 +103,7 @@ impl Block {
         &mut self,
         equation: &RollEquation<LANES, CUBIC>,
         n: usize,
-        eta: &[[f64; COLUMNS]; 2 * BLOCK + 1],
+        eta: &BlockRows,
     ) {
         let rules = self.rules;
         self.theta[0] = self.theta[self.n];
@@ -111,19 +111,18 @@ impl Block {
         self.measured[0] = self.measured[self.n];
         self.n = n;
         let (mut theta, mut theta_dot) = (self.theta[0], self.theta_dot[0]);
-        let mut highest = [0.0; LANES];
         for k in 0..n {
             (theta, theta_dot) = stepped(equation, rules.h, theta, theta_dot, k, eta);
-            for i in 0..LANES {
-                self.measured[k + 1][i] = rules.measured(theta[i]);
-                highest[i] = if theta[i].abs() > highest[i] {
-                    theta[i].abs()
-                } else {
-                    highest[i]
-                };
-            }
             self.theta[k + 1] = theta;
             self.theta_dot[k + 1] = theta_dot;
+        }
+        let mut highest = [0.0; LANES];
+        for k in 1..=n {
+            for i in 0..LANES {
+                let angle = self.theta[k][i].abs();
+                highest[i] = if angle > highest[i] { angle } else { highest[i] };
+                self.measured[k][i] = rules.measured(self.theta[k][i]);
+            }
         }
         // A state that is no number stays none: the last one tells of all.
         let mut upright = true;
@@ -139,11 +138,7 @@ impl Block {
 
     /// The block again from its start, with a restart at every capsize.
     #[inline(always)]
-    fn restart_where_capsized<const CUBIC: bool>(
-        &mut self,
-        equation: &RollEquation<LANES, CUBIC>,
-        eta: &[[f64; COLUMNS]; 2 * BLOCK + 1],
-    ) {
+    fn restart_where_capsized<const CUBIC: bool>(&mut self, equation: &RollEquation<LANES, CUBIC>, eta: &BlockRows) {
         let rules = self.rules;
         let (mut theta, mut theta_dot) = (self.theta[0], self.theta_dot[0]);
         for k in 0..self.n {
@@ -161,16 +156,13 @@ impl Block {
         }
     }
 
-    /// The largest measured roll over the block, both ends and all peaks included, in every lane.
+    /// The largest of a roll so far and the measured roll over the block, both ends and all peaks included, in every lane.
     #[inline(always)]
-    pub(crate) fn largest(&self) -> [f64; LANES] {
-        let mut largest = self.measured[0];
+    pub(crate) fn largest(&self, so_far: &[f64; LANES]) -> [f64; LANES] {
+        let mut largest = *so_far;
         // The signs of theta_dot, the start's lowest.
         let mut signs = [0; LANES];
-        for i in 0..LANES {
-            signs[i] = self.theta_dot[0][i].to_bits() & SIGN;
-        }
-        for k in 1..=self.n {
+        for k in 0..=self.n {
             for i in 0..LANES {
                 let measured = self.measured[k][i];
                 largest[i] = if measured > largest[i] { measured } else { largest[i] };
@@ -188,21 +180,28 @@ impl Block {
     /// Raises the largest roll to the peaks inside the steps at which theta_dot changes sign: bit k of a lane's `turns`.
     #[inline(always)]
     fn raise_to_peaks(&self, mut turns: [u64; LANES], largest: &mut [f64; LANES]) {
+        let mut left = 1;
         // Rarely does a lane turn twice in one block: then once more.
-        loop {
+        while left != 0 {
+            left = 0;
             let mut found = [(0, 0); LANES];
             let mut count = 0;
-            let mut left = 0;
             for lane in 0..LANES {
                 let turn = turns[lane];
-                found[count] = (lane, turn.trailing_zeros() as usize);
+                found[count] = (lane, turn.trailing_zeros() as usize % BLOCK);
                 count += usize::from(turn != 0);
                 turns[lane] = turn & turn.wrapping_sub(1);
                 left |= turns[lane];
             }
-            for first in (0..count).step_by(AT_ONCE) {
+            let mut high = 0;
+            for at in 0..count {
+                let (lane, k) = found[at];
+                found[high] = (lane, k);
+                high += usize::from(self.highest_peak(lane, k) > largest[lane]);
+            }
+            for first in (0..high).step_by(AT_ONCE) {
                 let mut places = [found[first]; AT_ONCE];
-                for (place, turn) in places.iter_mut().zip(&found[first..count]) {
+                for (place, turn) in places.iter_mut().zip(&found[first..high]) {
                     *place = *turn;
                 }
                 let peaks = self.peaks(places);
@@ -210,10 +209,20 @@ impl Block {
                     largest[lane] = if peak > largest[lane] { peak } else { largest[lane] };
                 }
             }
-            if left == 0 {
-                return;
-            }
         }
+    }
+
+    /// A bound of the measured extremum inside a step: the cubic's two slopes lift it by h (|v_0| + |v_1|) 4/27 at most.
+    #[inline(always)]
+    fn highest_peak(&self, lane: usize, k: usize) -> f64 {
+        let ([x_0, x_1], [v_0, v_1]) = (
+            [self.theta[k][lane], self.theta[k + 1][lane]],
+            [self.theta_dot[k][lane], self.theta_dot[k + 1][lane]],
+        );
+        let (start, end) = (self.rules.measured(x_0), self.rules.measured(x_1));
+        let higher = if start > end { start } else { end };
+        // Both terms are rounded up, the second stands for rounding.
+        higher + 0.15 * self.rules.h * (v_0.abs() + v_1.abs()) + 1e-12 * (x_0.abs() + x_1.abs())
     }
 
     /// The measured extrema inside some steps, (lane, step), at most capsize_angle.
@@ -221,7 +230,6 @@ impl Block {
     fn peaks<const L: usize>(&self, places: [(usize, usize); L]) -> [f64; L] {
         let [mut x, mut v] = [[[0.0; L]; 2]; 2];
         for (j, (lane, k)) in places.into_iter().enumerate() {
-            let k = k % BLOCK;
             for end in 0..2 {
                 x[end][j] = self.theta[k + end][lane];
                 v[end][j] = self.theta_dot[k + end][lane];
@@ -282,7 +290,7 @@ fn stepped<const CUBIC: bool>(
     theta: [f64; LANES],
     theta_dot: [f64; LANES],
     k: usize,
-    eta: &[[f64; COLUMNS]; 2 * BLOCK + 1],
+    eta: &BlockRows,
 ) -> ([f64; LANES], [f64; LANES]) {
     let forcing = [spread(&eta[2 * k]), spread(&eta[2 * k + 1]), spread(&eta[2 * k + 2])];
     rk4::step(

@@ -12,7 +12,7 @@ use crate::ship::encounter::Encounter;
 use crate::ship::initial_condition::RollState;
 use crate::ship::response::{Capsize, Response};
 use crate::ship::segments::{Segment, SegmentMaxima};
-use crate::ship::simulation::{COLUMNS, EPSILONS, LANES, Observer, Simulation, Span, Waves};
+use crate::ship::simulation::{BlockRows, COLUMNS, EPSILONS, LANES, Observer, Simulation, Span, Waves};
 
 /// The time grid of a field's run, in RK4 steps.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -58,12 +58,15 @@ struct PeriodicRecord<'a> {
 
 impl Waves for PeriodicRecord<'_> {
     #[inline(always)]
-    fn fill(&self, step: i64, rows: &mut [[f64; COLUMNS]]) {
-        let mut j = (2 * step).rem_euclid(self.eta.len() as i64) as usize;
-        for row in rows {
-            *row = self.eta[j];
-            j = if j + 1 < self.eta.len() { j + 1 } else { 0 };
+    fn rows<'a>(&'a self, step: i64, n: usize, space: &'a mut BlockRows) -> &'a BlockRows {
+        let first = (2 * step).rem_euclid(self.eta.len() as i64) as usize;
+        if let Some(rows) = self.eta[first..].first_chunk() {
+            return rows;
         }
+        for (row, value) in space[..=2 * n].iter_mut().zip(self.eta.iter().cycle().skip(first)) {
+            *row = *value;
+        }
+        space
     }
 }
 
@@ -141,10 +144,7 @@ impl Observer for TruthObserver<'_> {
     fn observe(&mut self, step: i64, block: &Block) {
         let counts = step >= -1 && step < self.timing.steps - 1;
         if counts {
-            add(
-                &mut self.above,
-                &block.time_above(self.simulation.truth.temporal_level),
-            );
+            add(&mut self.above, &block.time_above(self.simulation.truth.temporal_level));
         }
         if block.has_capsizes {
             add(&mut self.capsizes_in_run, &block.capsizes);

@@ -15,7 +15,7 @@ use crate::ship::block::Block;
 use crate::ship::group_waves::GroupWaves;
 use crate::ship::initial_condition::{RollState, predecessor};
 use crate::ship::segments::{Segment, SegmentMaxima};
-use crate::ship::simulation::{COLUMNS, EPSILONS, Observer, Simulation, Span, Waves};
+use crate::ship::simulation::{BlockRows, COLUMNS, EPSILONS, Observer, Simulation, Span, Waves};
 use std::f64::consts::TAU;
 
 /// A wave group as the ship sees it.
@@ -212,7 +212,8 @@ struct RecordWaves<'a> {
 
 impl Waves for RecordWaves<'_> {
     #[inline(always)]
-    fn fill(&self, step: i64, rows: &mut [[f64; COLUMNS]]) {
+    fn rows<'a>(&'a self, step: i64, n: usize, space: &'a mut BlockRows) -> &'a BlockRows {
+        let rows = &mut space[..=2 * n];
         for (column, run) in self.runs.iter().enumerate() {
             let eta = &self.fields[run.column as usize];
             let first = (2 * (run.start + step)).rem_euclid(eta.len() as i64) as usize;
@@ -225,5 +226,6 @@ impl Waves for RecordWaves<'_> {
                 row[column] = *value;
             }
         }
+        space
     }
 }

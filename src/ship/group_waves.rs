@@ -12,7 +12,7 @@
 use crate::numerics::elementary::{exp, exp_lanes, sin_cos, sin_cos_lanes};
 use crate::ship::block::BLOCK;
 use crate::ship::encounter::GroupRun;
-use crate::ship::simulation::{COLUMNS, Waves};
+use crate::ship::simulation::{BlockRows, COLUMNS, Waves};
 
 /// One Gaussian group per column.
 #[derive(Clone, Copy, Default)]
@@ -84,7 +84,8 @@ impl GroupWaves {
 
 impl Waves for GroupWaves {
     #[inline(always)]
-    fn fill(&self, step: i64, rows: &mut [[f64; COLUMNS]]) {
+    fn rows<'a>(&'a self, step: i64, n: usize, space: &'a mut BlockRows) -> &'a BlockRows {
+        let rows = &mut space[..=2 * n];
         let elapsed = (2 * step) as f64 * self.delta;
         let [mut t, mut phase] = [[0.0; COLUMNS]; 2];
         for i in 0..COLUMNS {
@@ -106,5 +107,6 @@ impl Waves for GroupWaves {
                 cosine[i] = turned;
             }
         }
+        space
     }
 }

@@ -7,6 +7,7 @@
 
 use crate::ship::block::Block;
 use crate::ship::simulation::{COLUMNS, LANES};
+use std::ops::Range;
 
 /// Full steps `first..=last` of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -105,32 +106,27 @@ impl SegmentMaxima {
         if is_whole && self.count == 0 {
             return;
         }
-        let mut largest = block.largest();
-        if !is_whole {
-            self.pass_bounds(step, block, &mut largest);
-        }
-        for i in 0..LANES {
-            let since = self.since[i];
-            self.since[i] = if largest[i] > since { largest[i] } else { since };
+        let whole = block.largest(&self.since);
+        if is_whole {
+            self.since = whole;
+        } else {
+            self.pass_bounds(step, block, whole);
         }
     }
 
-    /// Passes the bounds inside a block; `largest` becomes what comes after a column's last one.
-    fn pass_bounds(&mut self, step: i64, block: &Block, largest: &mut [f64; LANES]) {
-        let mut from = [0; COLUMNS];
-        while let Some(bound) = self.bounds.get(self.next).filter(|bound| bound.step < step + block.n as i64) {
+    /// Passes the bounds inside a block: `whole` is the largest roll since the last bound for columns that have none in it.
+    fn pass_bounds(&mut self, step: i64, block: &Block, whole: [f64; LANES]) {
+        let mut passed: [Option<usize>; COLUMNS] = [None; COLUMNS];
+        while let Some(bound) = self
+            .bounds
+            .get(self.next)
+            .filter(|bound| bound.step < step + block.n as i64)
+        {
             let (column, index, opens) = (bound.column, bound.index, bound.opens);
             // A segment that starts before its run is open from the run's start.
-            let to = (bound.step - step).max(0) as usize;
-            for lane in (column..LANES).step_by(COLUMNS).take(self.epsilons) {
-                let before = block.largest_over(lane, from[column]..to);
-                self.since[lane] = if before > self.since[lane] {
-                    before
-                } else {
-                    self.since[lane]
-                };
-            }
-            from[column] = to;
+            let at = (bound.step - step).max(0) as usize;
+            self.take(block, column, passed[column].unwrap_or(0)..at);
+            passed[column] = Some(at);
             self.settle(column);
             if opens {
                 self.open[column].push(index);
@@ -141,10 +137,26 @@ impl SegmentMaxima {
             }
             self.next += 1;
         }
-        for column in (0..COLUMNS).filter(|column| from[*column] > 0) {
-            for lane in (column..LANES).step_by(COLUMNS).take(self.epsilons) {
-                largest[lane] = block.largest_over(lane, from[column]..block.n);
+        for (column, at) in passed.into_iter().enumerate() {
+            if let Some(at) = at {
+                self.take(block, column, at..block.n);
+                continue;
             }
+            for lane in (column..LANES).step_by(COLUMNS) {
+                self.since[lane] = whole[lane];
+            }
+        }
+    }
+
+    /// Takes in some steps of a block in one column.
+    fn take(&mut self, block: &Block, column: usize, steps: Range<usize>) {
+        for lane in (column..LANES).step_by(COLUMNS).take(self.epsilons) {
+            let found = block.largest_over(lane, steps.clone());
+            self.since[lane] = if found > self.since[lane] {
+                found
+            } else {
+                self.since[lane]
+            };
         }
     }
 

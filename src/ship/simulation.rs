@@ -41,10 +41,15 @@ impl<'a> Simulation<'a> {
     }
 }
 
+/// Elevation at the full and half steps of a block.
+pub(crate) type BlockRows = [[f64; COLUMNS]; 2 * BLOCK + 1];
+
 /// Surface elevation in eight columns.
 pub(crate) trait Waves {
-    /// Fills the elevation in m at full and half steps from a full step on: `rows[k]` at `(step + k/2) h`.
-    fn fill(&self, step: i64, rows: &mut [[f64; COLUMNS]]);
+    /// The elevation in m at full and half steps of n steps from a full step on, row k at `(step + k/2) h`.
+    ///
+    /// What is not kept in such rows is put into the given ones.
+    fn rows<'a>(&'a self, step: i64, n: usize, space: &'a mut BlockRows) -> &'a BlockRows;
 }
 
 /// What looks at the roll, block by block.
@@ -124,12 +129,12 @@ impl<const CUBIC: bool, W: Waves, O: Observer> Kernel for WithDamping<CUBIC, Int
         let equation = RollEquation::<LANES, CUBIC>::new(task.simulation.ship, epsilon_1);
         let rules = Rules::new(&task.simulation);
         let mut block = Block::starting(rules, task.initial);
-        let mut eta = [[0.0; COLUMNS]; 2 * BLOCK + 1];
+        let mut space = [[0.0; COLUMNS]; 2 * BLOCK + 1];
         let mut step = task.span.steps.start;
         while step < task.span.steps.end {
             let n = task.span.block_length(step);
-            task.waves.fill(step, &mut eta[..=2 * n]);
-            block.advance(&equation, n, &eta);
+            let eta = task.waves.rows(step, n, &mut space);
+            block.advance(&equation, n, eta);
             task.observer.observe(step, &block);
             step += n as i64;
         }

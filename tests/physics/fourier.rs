@@ -2,7 +2,9 @@
 #![expect(clippy::disallowed_methods, reason = "the oracles are the platform's own functions")]
 
 use encounter::numerics::fourier::{Lanes, Synthesis, Transform, WIDTH, turn};
+use encounter::numerics::lanes::Level;
 use encounter::numerics::random::uniform;
+use encounter::numerics::rows::Rows;
 use num_complex::Complex;
 use num_traits::{FromPrimitive, Zero};
 use rand_chacha::ChaCha12Rng;
@@ -112,19 +114,88 @@ fn a_synthesis_is_the_direct_sum_of_modes() {
     }
 }
 
+/// One field's series by plain rustfft: a transform as long as the series, with the modes in its first bins.
+fn oracle_series(spectrum: &[Complex<Lanes>], samples: usize, i: usize) -> Vec<Complex<f64>> {
+    let mut series = vec![Complex::zero(); samples];
+    for (k, c) in spectrum.iter().enumerate() {
+        series[k + 1] = lane(c, i);
+    }
+    FftPlannerScalar::new()
+        .plan_fft(samples, FftDirection::Inverse)
+        .process(&mut series);
+    series
+}
+
+#[test]
+fn two_shifts_in_one_transform_are_the_series_of_rustfft() {
+    for (modes, samples) in [(1024, 2048), (1000, 4096), (600, 8192), (1024, 32_768)] {
+        let spectrum = noise(modes, 11);
+        let mut eta = Rows::new(samples);
+        Synthesis::new(modes, samples).real_series(&spectrum, &mut eta);
+        let size = (modes as f64 / 12.0).sqrt();
+        for i in 0..WIDTH {
+            for (z, row) in oracle_series(&spectrum, samples, i).iter().zip(&*eta) {
+                assert!((z.re - row[i]).abs() < 1e-14 * size, "{modes} modes, {samples} samples");
+            }
+        }
+    }
+}
+
+#[test]
+fn two_shifts_in_one_transform_are_the_sum_of_modes() {
+    let (modes, samples) = (1024, 32_768);
+    let spectrum = noise(modes, 12);
+    let mut eta = Rows::new(samples);
+    Synthesis::new(modes, samples).real_series(&spectrum, &mut eta);
+    for j in [0, 1, 15, 16, 17, 31, 32, 1023, 1024, 20_011, 32_767] {
+        let z: Complex<f64> = (1..=modes)
+            .map(|k| lane(&spectrum[k - 1], 3) * oracle_turn((j * k) % samples, samples, 1.0))
+            .sum();
+        assert!((z.re - eta[j][3]).abs() < 1e-12, "sample {j}");
+    }
+}
+
+#[test]
+fn a_series_has_the_same_bits_at_every_level() {
+    let spectrum = noise(1024, 13);
+    let series = [Level::Base, Level::Avx2, Level::Avx512].map(|level| {
+        let mut eta = Rows::new(8192);
+        let mut synthesis = Synthesis::new(1024, 8192);
+        synthesis.level = level;
+        synthesis.real_series(&spectrum, &mut eta);
+        eta.as_flattened().iter().map(|x| x.to_bits()).collect::<Vec<_>>()
+    });
+    assert!(series[0] == series[1] && series[0] == series[2]);
+}
+
+#[test]
+fn a_row_has_a_cache_line_of_its_own() {
+    for length in [0, 1, 7, 1000] {
+        let rows = Rows::new(length);
+        assert_eq!(rows.len(), length);
+        assert!(length == 0 || rows.as_ptr().addr().is_multiple_of(64));
+    }
+}
+
 #[test]
 fn lanes_do_not_meet() {
-    let mut spectrum = noise(100, 1);
-    let mut whole = vec![[0.0; WIDTH]; 1024];
-    Synthesis::new(100, 1024).real_series(&spectrum, &mut whole);
+    for (modes, samples) in [(100, 1024), (1024, 4096)] {
+        lanes_do_not_meet_in(modes, samples);
+    }
+}
+
+fn lanes_do_not_meet_in(modes: usize, samples: usize) {
+    let mut spectrum = noise(modes, 1);
+    let mut whole = vec![[0.0; WIDTH]; samples];
+    Synthesis::new(modes, samples).real_series(&spectrum, &mut whole);
     for c in &mut spectrum {
         for i in 1..WIDTH {
             c.re.0[i] = 0.0;
             c.im.0[i] = 0.0;
         }
     }
-    let mut alone = vec![[1.0; WIDTH]; 1024];
-    Synthesis::new(100, 1024).real_series(&spectrum, &mut alone);
+    let mut alone = vec![[1.0; WIDTH]; samples];
+    Synthesis::new(modes, samples).real_series(&spectrum, &mut alone);
     for (w, a) in whole.iter().zip(&alone) {
         assert_eq!(w[0].to_bits(), a[0].to_bits());
         assert!(a[1..].iter().all(|x| *x == 0.0));
