@@ -24,7 +24,7 @@ const PARTS: [Part; 7] = [
     ("the lane functions", lane_functions, 0x4daa_5025_1643_d6a6),
     ("sums and normal quantiles", quantiles, 0x25a8_a9a4_e767_1d24),
     ("the Fourier transform (rustfft)", fourier, 0x4c29_0621_460e_7e70),
-    ("the transform of 1,024 modes", synthesis, 0x0),
+    ("the transform of 1,024 modes", synthesis, 0x59cd_e63b_64fc_59c3),
     ("the Runge-Kutta step", runge_kutta, 0x92ea_85c3_62c4_f528),
     ("the Cholesky factor", cholesky, 0x6d96_6564_730d_ad82),
 ];
