@@ -133,6 +133,7 @@ fn eta_of_eight_fields(bencher: Bencher, name: &str) {
 
 /// One field by rustfft as it comes, a transform as long as the series.
 #[divan::bench(sample_count = 20)]
+#[expect(clippy::disallowed_methods, reason = "a yardstick")]
 fn eta_by_rustfft(bencher: Bencher) {
     let (fields, samples) = (eight_fields(), record().samples());
     let spectrum = fields.spectrum(0);
