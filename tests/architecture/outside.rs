@@ -195,8 +195,9 @@ fn the_crates_that_stages_reach_have_been_looked_at() {
 #[test]
 fn tests_and_program_are_built_with_the_same_features_of_those_crates() {
     let reached = reached();
-    assert_eq!(
-        of_those(&reached, packages("normal")),
-        of_those(&reached, packages("normal,dev"))
-    );
+    let with_tests = of_those(&reached, packages("normal,dev"));
+    // The tests may bring another version of a crate beside it, never other features of the same version.
+    for package in of_those(&reached, packages("normal")) {
+        assert!(with_tests.contains(&package), "{package}");
+    }
 }
