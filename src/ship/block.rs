@@ -14,6 +14,7 @@ use crate::ship::initial_condition::RollState;
 use crate::ship::response::Roll;
 use crate::ship::roll_equation::RollEquation;
 use crate::ship::simulation::{BlockRows, COLUMNS, LANES, Simulation};
+use std::ops::Range;
 
 /// Steps of a block.
 pub(crate) const BLOCK: usize = 16;
@@ -27,8 +28,8 @@ const SIGN: u64 = 1 << 63;
 pub(crate) struct Rules {
     h: f64,
     capsize_angle: f64,
-    /// Clears the sign of an absolute roll, keeps that of a signed one.
-    sign_mask: u64,
+    temporal_level: f64,
+    is_signed: bool,
 }
 
 impl Rules {
@@ -36,10 +37,8 @@ impl Rules {
         Self {
             h: simulation.h,
             capsize_angle: simulation.truth.capsize_angle,
-            sign_mask: match simulation.truth.roll {
-                Roll::Absolute => !(1 << 63),
-                Roll::Signed => !0,
-            },
+            temporal_level: simulation.truth.temporal_level,
+            is_signed: simulation.truth.roll == Roll::Signed,
         }
     }
 
@@ -52,7 +51,7 @@ impl Rules {
     /// The roll that is compared with thresholds, of a roll angle.
     #[inline(always)]
     fn measured(self, theta: f64) -> f64 {
-        f64::from_bits(theta.to_bits() & self.sign_mask)
+        if self.is_signed { theta } else { theta.abs() }
     }
 }
 
@@ -64,7 +63,13 @@ pub(crate) struct Block {
     /// Roll velocity after a possible restart, rad/s; (n + 1, lanes).
     pub(crate) theta_dot: [[f64; LANES]; BLOCK + 1],
     /// Roll as measured, rad, capsize_angle at a capsize; (n + 1, lanes).
-    pub(crate) measured: [[f64; LANES]; BLOCK + 1],
+    measured: [[f64; LANES]; BLOCK + 1],
+    /// The largest measured roll of all rows, rad.
+    top: [f64; LANES],
+    /// Bit k: `theta_dot` changes sign in step k.
+    turns: [u64; LANES],
+    /// Full steps, the start left out, with |theta| above the temporal level; a capsize is above.
+    pub(crate) above: [f64; LANES],
     /// Capsizes in this block.
     pub(crate) capsizes: [f64; LANES],
     /// Whether there are any.
@@ -82,6 +87,9 @@ impl Block {
             theta: [[0.0; LANES]; BLOCK + 1],
             theta_dot: [[0.0; LANES]; BLOCK + 1],
             measured: [[0.0; LANES]; BLOCK + 1],
+            top: [0.0; LANES],
+            turns: [0; LANES],
+            above: [0.0; LANES],
             capsizes: [0.0; LANES],
             has_capsizes: false,
             n: 0,
@@ -105,35 +113,58 @@ impl Block {
         n: usize,
         eta: &BlockRows,
     ) {
-        let rules = self.rules;
         self.theta[0] = self.theta[self.n];
         self.theta_dot[0] = self.theta_dot[self.n];
         self.measured[0] = self.measured[self.n];
         self.n = n;
+        self.has_capsizes = !self.is_upright_through(equation, eta);
+        if self.has_capsizes {
+            self.restart_where_capsized(equation, eta);
+        }
+        if self.rules.is_signed {
+            self.measure_signed();
+        }
+    }
+
+    /// The block without restarts, its roll measured by its size; false at any capsize.
+    #[inline(always)]
+    fn is_upright_through<const CUBIC: bool>(&mut self, equation: &RollEquation<LANES, CUBIC>, eta: &BlockRows) -> bool {
+        let rules = self.rules;
         let (mut theta, mut theta_dot) = (self.theta[0], self.theta_dot[0]);
-        for k in 0..n {
-            (theta, theta_dot) = stepped(equation, rules.h, theta, theta_dot, k, eta);
+        let mut now = equation.forcing(spread(&eta[0]));
+        let [mut top, mut above] = [[0.0; LANES]; 2];
+        let mut signs = signs(&theta_dot);
+        for k in 0..self.n {
+            let middle = equation.forcing(spread(&eta[2 * k + 1]));
+            let next = equation.forcing(spread(&eta[2 * k + 2]));
+            (theta, theta_dot) = rk4::step(
+                |x, v, eta| equation.acceleration(x, v, eta),
+                rules.h,
+                theta,
+                theta_dot,
+                [now, middle, next],
+            );
+            now = next;
+            for i in 0..LANES {
+                let angle = theta[i].abs();
+                top[i] = if angle > top[i] { angle } else { top[i] };
+                above[i] += if angle > rules.temporal_level { 1.0 } else { 0.0 };
+                signs[i] = (signs[i] >> 1) | (theta_dot[i].to_bits() & SIGN);
+                self.measured[k + 1][i] = angle;
+            }
             self.theta[k + 1] = theta;
             self.theta_dot[k + 1] = theta_dot;
         }
-        let mut highest = [0.0; LANES];
-        for k in 1..=n {
-            for i in 0..LANES {
-                let angle = self.theta[k][i].abs();
-                highest[i] = if angle > highest[i] { angle } else { highest[i] };
-                self.measured[k][i] = rules.measured(self.theta[k][i]);
-            }
-        }
         // A state that is no number stays none: the last one tells of all.
-        let mut upright = true;
+        let mut is_upright = true;
         for i in 0..LANES {
-            upright &= (highest[i] <= rules.capsize_angle) & rules.is_upright(theta[i], theta_dot[i]);
+            is_upright &= (top[i] <= rules.capsize_angle) & rules.is_upright(theta[i], theta_dot[i]);
+            let start = self.measured[0][i];
+            self.top[i] = if start > top[i] { start } else { top[i] };
+            self.turns[i] = (signs[i] ^ (signs[i] << 1)) >> (64 - self.n);
         }
-        self.has_capsizes = !upright;
-        if !upright {
-            self.capsizes = [0.0; LANES];
-            self.restart_where_capsized(equation, eta);
-        }
+        self.above = above;
+        is_upright
     }
 
     /// The block again from its start, with a restart at every capsize.
@@ -141,18 +172,42 @@ impl Block {
     fn restart_where_capsized<const CUBIC: bool>(&mut self, equation: &RollEquation<LANES, CUBIC>, eta: &BlockRows) {
         let rules = self.rules;
         let (mut theta, mut theta_dot) = (self.theta[0], self.theta_dot[0]);
+        self.top = self.measured[0];
+        self.turns = [0; LANES];
+        self.above = [0.0; LANES];
+        self.capsizes = [0.0; LANES];
         for k in 0..self.n {
-            (theta, theta_dot) = stepped(equation, rules.h, theta, theta_dot, k, eta);
+            let forcing = [0, 1, 2].map(|j| equation.forcing(spread(&eta[2 * k + j])));
+            let rate = |x, v, eta| equation.acceleration(x, v, eta);
+            (theta, theta_dot) = rk4::step(rate, rules.h, theta, theta_dot, forcing);
             for i in 0..LANES {
-                let upright = rules.is_upright(theta[i], theta_dot[i]);
-                let measured = rules.measured(theta[i]);
-                self.measured[k + 1][i] = if upright { measured } else { rules.capsize_angle };
-                theta[i] = if upright { theta[i] } else { 0.0 };
-                theta_dot[i] = if upright { theta_dot[i] } else { 0.0 };
-                self.capsizes[i] += if upright { 0.0 } else { 1.0 };
+                let is_upright = rules.is_upright(theta[i], theta_dot[i]);
+                let angle = if is_upright { theta[i].abs() } else { rules.capsize_angle };
+                theta[i] = if is_upright { theta[i] } else { 0.0 };
+                theta_dot[i] = if is_upright { theta_dot[i] } else { 0.0 };
+                self.capsizes[i] += if is_upright { 0.0 } else { 1.0 };
+                self.above[i] += if angle > rules.temporal_level { 1.0 } else { 0.0 };
+                self.top[i] = if angle > self.top[i] { angle } else { self.top[i] };
+                let turn = (theta_dot[i].to_bits() ^ self.theta_dot[k][i].to_bits()) >> 63;
+                self.turns[i] |= turn << k;
+                self.measured[k + 1][i] = angle;
             }
             self.theta[k + 1] = theta;
             self.theta_dot[k + 1] = theta_dot;
+        }
+    }
+
+    /// Measures the roll with its sign: all but capsizes.
+    #[inline(always)]
+    fn measure_signed(&mut self) {
+        self.top = self.measured[0];
+        for k in 1..=self.n {
+            for i in 0..LANES {
+                let (theta, measured) = (self.theta[k][i], self.measured[k][i]);
+                let signed = if measured == theta.abs() { theta } else { measured };
+                self.top[i] = if signed > self.top[i] { signed } else { self.top[i] };
+                self.measured[k][i] = signed;
+            }
         }
     }
 
@@ -160,54 +215,86 @@ impl Block {
     #[inline(always)]
     pub(crate) fn largest(&self, so_far: &[f64; LANES]) -> [f64; LANES] {
         let mut largest = *so_far;
-        // The signs of theta_dot, the start's lowest.
-        let mut signs = [0; LANES];
-        for k in 0..=self.n {
-            for i in 0..LANES {
-                let measured = self.measured[k][i];
-                largest[i] = if measured > largest[i] { measured } else { largest[i] };
-                signs[i] = (signs[i] >> 1) | (self.theta_dot[k][i].to_bits() & SIGN);
-            }
+        for i in 0..LANES {
+            largest[i] = if self.top[i] > largest[i] { self.top[i] } else { largest[i] };
         }
+        self.raise_to_peaks(&self.turns, &mut largest);
+        largest
+    }
+
+    /// The same over the steps first..last of each lane alone; nothing is taken in if there are none.
+    #[inline(always)]
+    pub(crate) fn largest_within(&self, so_far: &[f64; LANES], steps: &[Range<usize>; COLUMNS]) -> [f64; LANES] {
+        let mut largest = *so_far;
+        let [mut first, mut last] = [[0; LANES]; 2];
         let mut turns = [0; LANES];
         for i in 0..LANES {
-            turns[i] = (signs[i] ^ (signs[i] << 1)) >> (64 - self.n);
+            let Range { start, end } = steps[i % COLUMNS];
+            // No row lies after the first and before the last of no steps.
+            (first[i], last[i]) = (start as i64, if start < end { end as i64 } else { -1 });
+            turns[i] = self.turns[i] & ((1 << end) - 1) & !((1 << start) - 1);
         }
-        self.raise_to_peaks(turns, &mut largest);
+        for k in 0..=self.n {
+            for i in 0..LANES {
+                let is_in = (k as i64 >= first[i]) & (k as i64 <= last[i]);
+                let measured = self.measured[k][i];
+                largest[i] = if is_in & (measured > largest[i]) { measured } else { largest[i] };
+            }
+        }
+        self.raise_to_peaks(&turns, &mut largest);
         largest
     }
 
     /// Raises the largest roll to the peaks inside the steps at which theta_dot changes sign: bit k of a lane's `turns`.
+    ///
+    /// A largest roll of infinity is let alone.
     #[inline(always)]
-    fn raise_to_peaks(&self, mut turns: [u64; LANES], largest: &mut [f64; LANES]) {
-        let mut left = 1;
-        // Rarely does a lane turn twice in one block: then once more.
-        while left != 0 {
-            left = 0;
-            let mut found = [(0, 0); LANES];
-            let mut count = 0;
-            for lane in 0..LANES {
-                let turn = turns[lane];
-                found[count] = (lane, turn.trailing_zeros() as usize % BLOCK);
-                count += usize::from(turn != 0);
-                turns[lane] = turn & turn.wrapping_sub(1);
-                left |= turns[lane];
+    fn raise_to_peaks(&self, turns: &[u64; LANES], largest: &mut [f64; LANES]) {
+        let mut found = [(0, 0); LANES];
+        let mut count = 0;
+        let mut again = 0;
+        for lane in 0..LANES {
+            let turns = turns[lane];
+            found[count] = (lane, turns.trailing_zeros() as usize % BLOCK);
+            count += usize::from((turns != 0) & (largest[lane] < f64::INFINITY));
+            again |= turns & turns.wrapping_sub(1);
+        }
+        self.raise_to_some(&mut found[..count], largest);
+        // Rarely does a lane turn twice in one block.
+        if again != 0 {
+            self.raise_to_later_peaks(turns, largest);
+        }
+    }
+
+    /// Raises the largest roll to the peaks of all turns but the first of each lane.
+    fn raise_to_later_peaks(&self, turns: &[u64; LANES], largest: &mut [f64; LANES]) {
+        for lane in 0..LANES {
+            let mut left = turns[lane] & turns[lane].wrapping_sub(1);
+            while left != 0 {
+                let [peak] = self.peaks([(lane, left.trailing_zeros() as usize)]);
+                largest[lane] = if peak > largest[lane] { peak } else { largest[lane] };
+                left &= left - 1;
             }
-            let mut high = 0;
-            for at in 0..count {
-                let (lane, k) = found[at];
-                found[high] = (lane, k);
-                high += usize::from(self.highest_peak(lane, k) > largest[lane]);
+        }
+    }
+
+    /// Raises the largest roll to the peaks of some turns, (lane, step), a lane once at most.
+    #[inline(always)]
+    fn raise_to_some(&self, found: &mut [(usize, usize)], largest: &mut [f64; LANES]) {
+        let mut high = 0;
+        for at in 0..found.len() {
+            let (lane, k) = found[at];
+            found[high] = (lane, k);
+            high += usize::from(self.highest_peak(lane, k) > largest[lane]);
+        }
+        for first in (0..high).step_by(AT_ONCE) {
+            let mut places = [found[first]; AT_ONCE];
+            for (place, turn) in places.iter_mut().zip(&found[first..high]) {
+                *place = *turn;
             }
-            for first in (0..high).step_by(AT_ONCE) {
-                let mut places = [found[first]; AT_ONCE];
-                for (place, turn) in places.iter_mut().zip(&found[first..high]) {
-                    *place = *turn;
-                }
-                let peaks = self.peaks(places);
-                for (peak, (lane, _)) in peaks.into_iter().zip(places) {
-                    largest[lane] = if peak > largest[lane] { peak } else { largest[lane] };
-                }
+            let peaks = self.peaks(places);
+            for (peak, (lane, _)) in peaks.into_iter().zip(places) {
+                largest[lane] = if peak > largest[lane] { peak } else { largest[lane] };
             }
         }
     }
@@ -246,60 +333,12 @@ impl Block {
         }
         peaks
     }
-
-    /// The largest measured roll over some steps of one lane, both ends and all peaks included.
-    #[inline(always)]
-    pub(crate) fn largest_over(&self, lane: usize, steps: std::ops::Range<usize>) -> f64 {
-        let mut largest = f64::NEG_INFINITY;
-        for k in steps {
-            let (start, end) = (self.measured[k][lane], self.measured[k + 1][lane]);
-            largest = if start > largest { start } else { largest };
-            largest = if end > largest { end } else { largest };
-            let signs = self.theta_dot[k][lane].to_bits() ^ self.theta_dot[k + 1][lane].to_bits();
-            if signs & SIGN != 0 {
-                let [peak] = self.peaks([(lane, k)]);
-                largest = if peak > largest { peak } else { largest };
-            }
-        }
-        largest
-    }
-
-    /// The number of full steps, the start left out, with |theta| above a level; a capsize is above.
-    #[inline(always)]
-    pub(crate) fn time_above(&self, level: f64) -> [f64; LANES] {
-        let mut count = [0.0; LANES];
-        for k in 1..=self.n {
-            for i in 0..LANES {
-                count[i] += if self.theta[k][i].abs() > level { 1.0 } else { 0.0 };
-            }
-        }
-        if self.has_capsizes && self.rules.capsize_angle > level {
-            for i in 0..LANES {
-                count[i] += self.capsizes[i];
-            }
-        }
-        count
-    }
 }
 
-/// One RK4 step from the k-th full step of a block.
+/// The sign bits of some numbers.
 #[inline(always)]
-fn stepped<const CUBIC: bool>(
-    equation: &RollEquation<LANES, CUBIC>,
-    h: f64,
-    theta: [f64; LANES],
-    theta_dot: [f64; LANES],
-    k: usize,
-    eta: &BlockRows,
-) -> ([f64; LANES], [f64; LANES]) {
-    let forcing = [spread(&eta[2 * k]), spread(&eta[2 * k + 1]), spread(&eta[2 * k + 2])];
-    rk4::step(
-        |x, v, eta| equation.acceleration(x, v, eta),
-        h,
-        theta,
-        theta_dot,
-        forcing,
-    )
+fn signs(numbers: &[f64; LANES]) -> [u64; LANES] {
+    numbers.map(|number| number.to_bits() & SIGN)
 }
 
 /// The elevation of each lane's column.

@@ -82,6 +82,9 @@ pub fn continuous_record(
     let (start, end) = (-timing.lead_in, timing.steps + timing.tail);
     let segment = |g: &Encounter| Segment::around(g.t_c, simulation.truth.window * g.l, timing.h).within(start, end);
     let segments: Vec<Vec<Segment>> = groups.iter().map(|list| list.iter().map(segment).collect()).collect();
+    // What comes after the field and its last segment is of interest to `discard_field` alone.
+    let last = segments.iter().flatten().map(|segment| segment.last).fold(timing.steps, i64::max);
+    let end = if simulation.truth.capsize == Capsize::DiscardField { end } else { last };
     // Blocks end at the step before each bound: their last instant then lies on the same side as all others.
     let span = Span {
         steps: start..end,
@@ -144,7 +147,7 @@ impl Observer for TruthObserver<'_> {
     fn observe(&mut self, step: i64, block: &Block) {
         let counts = step >= -1 && step < self.timing.steps - 1;
         if counts {
-            add(&mut self.above, &block.time_above(self.simulation.truth.temporal_level));
+            add(&mut self.above, &block.above);
         }
         if block.has_capsizes {
             add(&mut self.capsizes_in_run, &block.capsizes);

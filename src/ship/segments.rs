@@ -7,7 +7,6 @@
 
 use crate::ship::block::Block;
 use crate::ship::simulation::{COLUMNS, LANES};
-use std::ops::Range;
 
 /// Full steps `first..=last` of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -46,6 +45,9 @@ impl Segment {
     }
 }
 
+/// The largest roll of a lane that no segment looks at: nothing is larger.
+const CLOSED: f64 = f64::INFINITY;
+
 /// A segment of a column opens or closes.
 struct Bound {
     step: i64,
@@ -66,7 +68,7 @@ pub(crate) struct SegmentMaxima {
     open: [Vec<usize>; COLUMNS],
     /// Open segments of all columns.
     count: usize,
-    // Per lane, the largest roll since its column's last bound.
+    // Per lane, the largest roll since its column's last bound, or CLOSED.
     since: [f64; LANES],
 }
 
@@ -94,7 +96,7 @@ impl SegmentMaxima {
             next: 0,
             open: std::array::from_fn(|_| Vec::new()),
             count: 0,
-            since: [f64::NEG_INFINITY; LANES],
+            since: [CLOSED; LANES],
         }
     }
 
@@ -102,73 +104,76 @@ impl SegmentMaxima {
     #[inline(always)]
     pub(crate) fn gather(&mut self, step: i64, block: &Block) {
         let end = step + block.n as i64;
-        let is_whole = self.bounds.get(self.next).is_none_or(|bound| bound.step >= end);
-        if is_whole && self.count == 0 {
-            return;
-        }
-        let whole = block.largest(&self.since);
-        if is_whole {
-            self.since = whole;
-        } else {
-            self.pass_bounds(step, block, whole);
+        if self.bounds.get(self.next).is_some_and(|bound| bound.step < end) {
+            self.pass_bounds(step, block);
+        } else if self.count != 0 {
+            self.since = block.largest(&self.since);
         }
     }
 
-    /// Passes the bounds inside a block: `whole` is the largest roll since the last bound for columns that have none in it.
-    fn pass_bounds(&mut self, step: i64, block: &Block, whole: [f64; LANES]) {
-        let mut passed: [Option<usize>; COLUMNS] = [None; COLUMNS];
-        while let Some(bound) = self
-            .bounds
-            .get(self.next)
-            .filter(|bound| bound.step < step + block.n as i64)
-        {
-            let (column, index, opens) = (bound.column, bound.index, bound.opens);
+    /// Takes in a block with bounds inside, from one set of bounds in different columns to the next.
+    #[inline(always)]
+    fn pass_bounds(&mut self, step: i64, block: &Block) {
+        let mut from = [0; COLUMNS];
+        loop {
+            let first = self.next;
+            let to = self.next_bounds(step, block.n);
+            let steps = std::array::from_fn(|column| from[column]..to[column]);
+            self.since = block.largest_within(&self.since, &steps);
+            if self.next == first {
+                return;
+            }
+            for at in first..self.next {
+                self.pass(at);
+            }
+            from = to;
+        }
+    }
+
+    /// Goes on to the next bound of each column in a block: where, or up to where there is none.
+    fn next_bounds(&mut self, step: i64, n: usize) -> [usize; COLUMNS] {
+        let mut to = [None; COLUMNS];
+        let mut limit = n;
+        while let Some(bound) = self.bounds.get(self.next).filter(|bound| bound.step < step + n as i64) {
             // A segment that starts before its run is open from the run's start.
             let at = (bound.step - step).max(0) as usize;
-            self.take(block, column, passed[column].unwrap_or(0)..at);
-            passed[column] = Some(at);
-            self.settle(column);
-            if opens {
-                self.open[column].push(index);
-                self.count += 1;
-            } else {
-                self.open[column].retain(|open| *open != index);
-                self.count -= 1;
+            if to[bound.column].is_some_and(|other| other != at) {
+                limit = at;
+                break;
             }
+            to[bound.column] = Some(at);
             self.next += 1;
         }
-        for (column, at) in passed.into_iter().enumerate() {
-            if let Some(at) = at {
-                self.take(block, column, at..block.n);
-                continue;
-            }
-            for lane in (column..LANES).step_by(COLUMNS) {
-                self.since[lane] = whole[lane];
-            }
-        }
+        to.map(|at| at.unwrap_or(limit))
     }
 
-    /// Takes in some steps of a block in one column.
-    fn take(&mut self, block: &Block, column: usize, steps: Range<usize>) {
-        for lane in (column..LANES).step_by(COLUMNS).take(self.epsilons) {
-            let found = block.largest_over(lane, steps.clone());
-            self.since[lane] = if found > self.since[lane] {
-                found
-            } else {
-                self.since[lane]
-            };
+    /// Opens or closes a segment.
+    fn pass(&mut self, at: usize) {
+        let Bound {
+            column, index, opens, ..
+        } = self.bounds[at];
+        self.settle(column);
+        if opens {
+            self.open[column].push(index);
+            self.count += 1;
+        } else {
+            self.open[column].retain(|open| *open != index);
+            self.count -= 1;
+        }
+        let start = if self.open[column].is_empty() { CLOSED } else { f64::NEG_INFINITY };
+        for e in 0..self.epsilons {
+            self.since[e * COLUMNS + column] = start;
         }
     }
 
     /// Gives what a column gathered since its last bound to its open segments.
     fn settle(&mut self, column: usize) {
         for (e, columns) in self.r.iter_mut().enumerate() {
-            let since = &mut self.since[e * COLUMNS + column];
+            let since = self.since[e * COLUMNS + column];
             for index in &self.open[column] {
                 let r = &mut columns[column][*index];
-                *r = if *since > *r { *since } else { *r };
+                *r = if since > *r { since } else { *r };
             }
-            *since = f64::NEG_INFINITY;
         }
     }
 

@@ -57,7 +57,7 @@ impl Kernel for Roll<'_> {
                     lanes[lane] = row[lane % WIDTH];
                 }
             }
-            let rate = |x, v, eta| equation.acceleration(x, v, eta);
+            let rate = |x, v, eta| equation.acceleration(x, v, equation.forcing(eta));
             (theta, theta_dot) = rk4::step(rate, 15.0 / 64.0, theta, theta_dot, forcing);
         }
         theta
