@@ -103,9 +103,7 @@ impl Block {
         block
     }
 
-    /// Goes on by n RK4 steps from where the block ended.
-    ///
-    /// Capsizes are rare: the block is run as if there were none, and again step by step if there are.
+    /// Goes on by n RK4 steps from where the block ended, with a restart at every capsize.
     #[inline(always)]
     pub(crate) fn advance<const CUBIC: bool>(
         &mut self,
@@ -117,24 +115,34 @@ impl Block {
         self.theta_dot[0] = self.theta_dot[self.n];
         self.measured[0] = self.measured[self.n];
         self.n = n;
-        self.has_capsizes = !self.is_upright_through(equation, eta);
+        self.has_capsizes = false;
+        let mut from = 0;
+        // Capsizes are rare: the block is run as if there were none, and again from the first if there are.
+        while !self.is_upright_from(from, equation, eta) {
+            from = self.restart_after(from);
+        }
         if self.has_capsizes {
-            self.restart_where_capsized(equation, eta);
+            self.recount();
         }
         if self.rules.is_signed {
             self.measure_signed();
         }
     }
 
-    /// The block without restarts, its roll measured by its size; false at any capsize.
+    /// The block from a full step on, without restarts, its roll measured by its size; false if there is a capsize.
     #[inline(always)]
-    fn is_upright_through<const CUBIC: bool>(&mut self, equation: &RollEquation<LANES, CUBIC>, eta: &BlockRows) -> bool {
+    fn is_upright_from<const CUBIC: bool>(
+        &mut self,
+        from: usize,
+        equation: &RollEquation<LANES, CUBIC>,
+        eta: &BlockRows,
+    ) -> bool {
         let rules = self.rules;
-        let (mut theta, mut theta_dot) = (self.theta[0], self.theta_dot[0]);
-        let mut now = equation.forcing(spread(&eta[0]));
+        let (mut theta, mut theta_dot) = (self.theta[from], self.theta_dot[from]);
+        let mut now = equation.forcing(spread(&eta[2 * from]));
         let [mut top, mut above] = [[0.0; LANES]; 2];
-        let mut signs = signs(&theta_dot);
-        for k in 0..self.n {
+        let mut signs = theta_dot.map(|v| v.to_bits() & SIGN);
+        for k in from..self.n {
             let middle = equation.forcing(spread(&eta[2 * k + 1]));
             let next = equation.forcing(spread(&eta[2 * k + 2]));
             (theta, theta_dot) = rk4::step(
@@ -167,33 +175,52 @@ impl Block {
         is_upright
     }
 
-    /// The block again from its start, with a restart at every capsize.
+    /// Sets the ships upright that capsize first after a full step: the step at which they do.
     #[inline(always)]
-    fn restart_where_capsized<const CUBIC: bool>(&mut self, equation: &RollEquation<LANES, CUBIC>, eta: &BlockRows) {
+    fn restart_after(&mut self, from: usize) -> usize {
+        if !self.has_capsizes {
+            self.capsizes = [0.0; LANES];
+            self.has_capsizes = true;
+        }
         let rules = self.rules;
-        let (mut theta, mut theta_dot) = (self.theta[0], self.theta_dot[0]);
+        let mut k = from + 1;
+        while k < self.n && self.is_upright_at(k) {
+            k += 1;
+        }
+        for i in 0..LANES {
+            let is_upright = rules.is_upright(self.theta[k][i], self.theta_dot[k][i]);
+            self.capsizes[i] += if is_upright { 0.0 } else { 1.0 };
+            self.theta[k][i] = if is_upright { self.theta[k][i] } else { 0.0 };
+            self.theta_dot[k][i] = if is_upright { self.theta_dot[k][i] } else { 0.0 };
+            self.measured[k][i] = if is_upright { self.measured[k][i] } else { rules.capsize_angle };
+        }
+        k
+    }
+
+    /// Whether every ship is upright at a full step.
+    #[inline(always)]
+    fn is_upright_at(&self, k: usize) -> bool {
+        let mut is_upright = true;
+        for i in 0..LANES {
+            is_upright &= self.rules.is_upright(self.theta[k][i], self.theta_dot[k][i]);
+        }
+        is_upright
+    }
+
+    /// Counts again what restarts have changed.
+    #[inline(always)]
+    fn recount(&mut self) {
         self.top = self.measured[0];
         self.turns = [0; LANES];
         self.above = [0.0; LANES];
-        self.capsizes = [0.0; LANES];
         for k in 0..self.n {
-            let forcing = [0, 1, 2].map(|j| equation.forcing(spread(&eta[2 * k + j])));
-            let rate = |x, v, eta| equation.acceleration(x, v, eta);
-            (theta, theta_dot) = rk4::step(rate, rules.h, theta, theta_dot, forcing);
             for i in 0..LANES {
-                let is_upright = rules.is_upright(theta[i], theta_dot[i]);
-                let angle = if is_upright { theta[i].abs() } else { rules.capsize_angle };
-                theta[i] = if is_upright { theta[i] } else { 0.0 };
-                theta_dot[i] = if is_upright { theta_dot[i] } else { 0.0 };
-                self.capsizes[i] += if is_upright { 0.0 } else { 1.0 };
-                self.above[i] += if angle > rules.temporal_level { 1.0 } else { 0.0 };
+                let angle = self.measured[k + 1][i];
                 self.top[i] = if angle > self.top[i] { angle } else { self.top[i] };
-                let turn = (theta_dot[i].to_bits() ^ self.theta_dot[k][i].to_bits()) >> 63;
+                self.above[i] += if angle > self.rules.temporal_level { 1.0 } else { 0.0 };
+                let turn = (self.theta_dot[k + 1][i].to_bits() ^ self.theta_dot[k][i].to_bits()) >> 63;
                 self.turns[i] |= turn << k;
-                self.measured[k + 1][i] = angle;
             }
-            self.theta[k + 1] = theta;
-            self.theta_dot[k + 1] = theta_dot;
         }
     }
 
@@ -222,26 +249,26 @@ impl Block {
         largest
     }
 
-    /// The same over the steps first..last of each lane alone; nothing is taken in if there are none.
-    #[inline(always)]
-    pub(crate) fn largest_within(&self, so_far: &[f64; LANES], steps: &[Range<usize>; COLUMNS]) -> [f64; LANES] {
-        let mut largest = *so_far;
-        let [mut first, mut last] = [[0; LANES]; 2];
-        let mut turns = [0; LANES];
-        for i in 0..LANES {
-            let Range { start, end } = steps[i % COLUMNS];
-            // No row lies after the first and before the last of no steps.
-            (first[i], last[i]) = (start as i64, if start < end { end as i64 } else { -1 });
-            turns[i] = self.turns[i] & ((1 << end) - 1) & !((1 << start) - 1);
+    /// The same in some lanes over some steps alone; nothing is taken in if there are none.
+    pub(crate) fn largest_within<const L: usize>(
+        &self,
+        lanes: [usize; L],
+        steps: Range<usize>,
+        so_far: [f64; L],
+    ) -> [f64; L] {
+        let mut largest = so_far;
+        if steps.is_empty() {
+            return largest;
         }
-        for k in 0..=self.n {
-            for i in 0..LANES {
-                let is_in = (k as i64 >= first[i]) & (k as i64 <= last[i]);
-                let measured = self.measured[k][i];
-                largest[i] = if is_in & (measured > largest[i]) { measured } else { largest[i] };
+        for row in &self.measured[steps.start..=steps.end] {
+            for (largest, lane) in largest.iter_mut().zip(lanes) {
+                *largest = if row[lane] > *largest { row[lane] } else { *largest };
             }
         }
-        self.raise_to_peaks(&turns, &mut largest);
+        for (largest, lane) in largest.iter_mut().zip(lanes) {
+            let turns = self.turns[lane] & ((1 << steps.end) - 1) & !((1 << steps.start) - 1);
+            *largest = self.raised(lane, turns, *largest);
+        }
         largest
     }
 
@@ -262,20 +289,23 @@ impl Block {
         self.raise_to_some(&mut found[..count], largest);
         // Rarely does a lane turn twice in one block.
         if again != 0 {
-            self.raise_to_later_peaks(turns, largest);
+            for lane in 0..LANES {
+                largest[lane] = self.raised(lane, turns[lane] & turns[lane].wrapping_sub(1), largest[lane]);
+            }
         }
     }
 
-    /// Raises the largest roll to the peaks of all turns but the first of each lane.
-    fn raise_to_later_peaks(&self, turns: &[u64; LANES], largest: &mut [f64; LANES]) {
-        for lane in 0..LANES {
-            let mut left = turns[lane] & turns[lane].wrapping_sub(1);
-            while left != 0 {
-                let [peak] = self.peaks([(lane, left.trailing_zeros() as usize)]);
-                largest[lane] = if peak > largest[lane] { peak } else { largest[lane] };
-                left &= left - 1;
+    /// The largest of a roll so far and the peaks of some turns of a lane.
+    fn raised(&self, lane: usize, mut turns: u64, mut largest: f64) -> f64 {
+        while turns != 0 {
+            let k = turns.trailing_zeros() as usize;
+            if self.highest_peak(lane, k) > largest {
+                let [peak] = self.peaks([(lane, k)]);
+                largest = if peak > largest { peak } else { largest };
             }
+            turns &= turns - 1;
         }
+        largest
     }
 
     /// Raises the largest roll to the peaks of some turns, (lane, step), a lane once at most.
@@ -333,12 +363,6 @@ impl Block {
         }
         peaks
     }
-}
-
-/// The sign bits of some numbers.
-#[inline(always)]
-fn signs(numbers: &[f64; LANES]) -> [u64; LANES] {
-    numbers.map(|number| number.to_bits() & SIGN)
 }
 
 /// The elevation of each lane's column.

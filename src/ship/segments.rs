@@ -6,7 +6,8 @@
 //! are taken in whole.
 
 use crate::ship::block::Block;
-use crate::ship::simulation::{COLUMNS, LANES};
+use crate::ship::simulation::{COLUMNS, EPSILONS, LANES};
+use std::ops::Range;
 
 /// Full steps `first..=last` of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -111,40 +112,47 @@ impl SegmentMaxima {
         }
     }
 
-    /// Takes in a block with bounds inside, from one set of bounds in different columns to the next.
+    /// Takes in a block with bounds inside: whole where a column has none, else from bound to bound.
     #[inline(always)]
     fn pass_bounds(&mut self, step: i64, block: &Block) {
+        let first = self.next;
+        let end = step + block.n as i64;
+        let mut has_bound = [false; COLUMNS];
+        while let Some(bound) = self.bounds.get(self.next).filter(|bound| bound.step < end) {
+            has_bound[bound.column] = true;
+            self.next += 1;
+        }
+        let mut whole = self.since;
+        for lane in 0..LANES {
+            whole[lane] = if has_bound[lane % COLUMNS] { CLOSED } else { whole[lane] };
+        }
+        let whole = block.largest(&whole);
+        for lane in 0..LANES {
+            self.since[lane] = if has_bound[lane % COLUMNS] { self.since[lane] } else { whole[lane] };
+        }
         let mut from = [0; COLUMNS];
-        loop {
-            let first = self.next;
-            let to = self.next_bounds(step, block.n);
-            let steps = std::array::from_fn(|column| from[column]..to[column]);
-            self.since = block.largest_within(&self.since, &steps);
-            if self.next == first {
-                return;
+        for index in first..self.next {
+            let Bound { step: at, column, .. } = self.bounds[index];
+            // A segment that starts before its run is open from the run's start.
+            let at = (at - step).max(0) as usize;
+            self.take(block, column, from[column]..at);
+            from[column] = at;
+            self.pass(index);
+        }
+        for column in 0..COLUMNS {
+            if has_bound[column] {
+                self.take(block, column, from[column]..block.n);
             }
-            for at in first..self.next {
-                self.pass(at);
-            }
-            from = to;
         }
     }
 
-    /// Goes on to the next bound of each column in a block: where, or up to where there is none.
-    fn next_bounds(&mut self, step: i64, n: usize) -> [usize; COLUMNS] {
-        let mut to = [None; COLUMNS];
-        let mut limit = n;
-        while let Some(bound) = self.bounds.get(self.next).filter(|bound| bound.step < step + n as i64) {
-            // A segment that starts before its run is open from the run's start.
-            let at = (bound.step - step).max(0) as usize;
-            if to[bound.column].is_some_and(|other| other != at) {
-                limit = at;
-                break;
-            }
-            to[bound.column] = Some(at);
-            self.next += 1;
+    /// Takes in some steps of a block in one column.
+    fn take(&mut self, block: &Block, column: usize, steps: Range<usize>) {
+        let lanes: [usize; EPSILONS] = std::array::from_fn(|e| e * COLUMNS + column);
+        let largest = block.largest_within(lanes, steps, lanes.map(|lane| self.since[lane]));
+        for (lane, largest) in lanes.into_iter().zip(largest) {
+            self.since[lane] = largest;
         }
-        to.map(|at| at.unwrap_or(limit))
     }
 
     /// Opens or closes a segment.
