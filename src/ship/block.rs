@@ -13,7 +13,7 @@ use crate::numerics::{hermite, rk4};
 use crate::ship::initial_condition::RollState;
 use crate::ship::response::Roll;
 use crate::ship::roll_equation::RollEquation;
-use crate::ship::simulation::{BlockRows, COLUMNS, LANES, Simulation};
+use crate::ship::simulation::{BlockRows, COLUMNS, EPSILONS, LANES, Simulation};
 use std::ops::Range;
 
 /// Steps of a block.
@@ -80,10 +80,10 @@ pub(crate) struct Block {
 }
 
 impl Block {
-    /// A block of no steps yet, which ends in the given states.
+    /// A block of no steps yet, which ends at rest.
     #[inline(always)]
-    pub(crate) fn starting(rules: Rules, initial: &[RollState]) -> Self {
-        let mut block = Self {
+    pub(crate) fn at_rest(rules: Rules) -> Self {
+        Self {
             theta: [[0.0; LANES]; BLOCK + 1],
             theta_dot: [[0.0; LANES]; BLOCK + 1],
             measured: [[0.0; LANES]; BLOCK + 1],
@@ -94,13 +94,17 @@ impl Block {
             has_capsizes: false,
             n: 0,
             rules,
-        };
-        for (lane, state) in initial.iter().enumerate() {
-            block.theta[0][lane] = state.theta;
-            block.theta_dot[0][lane] = state.theta_dot;
-            block.measured[0][lane] = rules.measured(state.theta);
         }
-        block
+    }
+
+    /// Changes the states in which one column ended, (epsilon_1).
+    pub(crate) fn depart(&mut self, column: usize, states: &[RollState; EPSILONS]) {
+        for (e, state) in states.iter().enumerate() {
+            let lane = e * COLUMNS + column;
+            self.theta[self.n][lane] = state.theta;
+            self.theta_dot[self.n][lane] = state.theta_dot;
+            self.measured[self.n][lane] = self.rules.measured(state.theta);
+        }
     }
 
     /// Goes on by n RK4 steps from where the block ended, with a restart at every capsize.
@@ -192,7 +196,11 @@ impl Block {
             self.capsizes[i] += if is_upright { 0.0 } else { 1.0 };
             self.theta[k][i] = if is_upright { self.theta[k][i] } else { 0.0 };
             self.theta_dot[k][i] = if is_upright { self.theta_dot[k][i] } else { 0.0 };
-            self.measured[k][i] = if is_upright { self.measured[k][i] } else { rules.capsize_angle };
+            self.measured[k][i] = if is_upright {
+                self.measured[k][i]
+            } else {
+                rules.capsize_angle
+            };
         }
         k
     }
@@ -243,7 +251,11 @@ impl Block {
     pub(crate) fn largest(&self, so_far: &[f64; LANES]) -> [f64; LANES] {
         let mut largest = *so_far;
         for i in 0..LANES {
-            largest[i] = if self.top[i] > largest[i] { self.top[i] } else { largest[i] };
+            largest[i] = if self.top[i] > largest[i] {
+                self.top[i]
+            } else {
+                largest[i]
+            };
         }
         self.raise_to_peaks(&self.turns, &mut largest);
         largest

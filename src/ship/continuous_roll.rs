@@ -58,7 +58,10 @@ struct PeriodicRecord<'a> {
 
 impl Waves for PeriodicRecord<'_> {
     #[inline(always)]
-    fn rows<'a>(&'a self, step: i64, n: usize, space: &'a mut BlockRows) -> &'a BlockRows {
+    fn depart(&mut self, _: i64, _: usize, _: usize) {}
+
+    #[inline(always)]
+    fn rows<'a>(&'a mut self, step: i64, n: usize, space: &'a mut BlockRows) -> &'a BlockRows {
         let first = (2 * step).rem_euclid(self.eta.len() as i64) as usize;
         if let Some(rows) = self.eta[first..].first_chunk() {
             return rows;
@@ -83,18 +86,26 @@ pub fn continuous_record(
     let segment = |g: &Encounter| Segment::around(g.t_c, simulation.truth.window * g.l, timing.h).within(start, end);
     let segments: Vec<Vec<Segment>> = groups.iter().map(|list| list.iter().map(segment).collect()).collect();
     // What comes after the field and its last segment is of interest to `discard_field` alone.
-    let last = segments.iter().flatten().map(|segment| segment.last).fold(timing.steps, i64::max);
-    let end = if simulation.truth.capsize == Capsize::DiscardField { end } else { last };
+    let last = segments
+        .iter()
+        .flatten()
+        .map(|segment| segment.last)
+        .fold(timing.steps, i64::max);
+    let end = if simulation.truth.capsize == Capsize::DiscardField {
+        end
+    } else {
+        last
+    };
     // Blocks end at the step before each bound: their last instant then lies on the same side as all others.
     let span = Span {
         steps: start..end,
         cuts: [-1, timing.steps - 1],
     };
-    let waves = PeriodicRecord { eta };
+    let mut waves = PeriodicRecord { eta };
     let mut responses = Vec::new();
     for epsilon_1 in simulation.ship.epsilon_1.chunks(EPSILONS) {
         let mut observer = TruthObserver::new(simulation, timing, &segments, epsilon_1.len());
-        simulation.integrate(epsilon_1, &[], &span, &waves, &mut observer);
+        simulation.integrate(epsilon_1, &[], &span, &mut waves, &mut observer);
         responses.extend(observer.responses());
     }
     responses
@@ -193,7 +204,7 @@ pub fn continuous_states(
             fields,
             states: vec![vec![Vec::new(); fields]; epsilon_1.len()],
         };
-        simulation.integrate(epsilon_1, &[], &span, &PeriodicRecord { eta }, &mut observer);
+        simulation.integrate(epsilon_1, &[], &span, &mut PeriodicRecord { eta }, &mut observer);
         states.extend(observer.states);
     }
     states

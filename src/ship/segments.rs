@@ -128,7 +128,11 @@ impl SegmentMaxima {
         }
         let whole = block.largest(&whole);
         for lane in 0..LANES {
-            self.since[lane] = if has_bound[lane % COLUMNS] { self.since[lane] } else { whole[lane] };
+            self.since[lane] = if has_bound[lane % COLUMNS] {
+                self.since[lane]
+            } else {
+                whole[lane]
+            };
         }
         let mut from = [0; COLUMNS];
         for index in first..self.next {
@@ -168,7 +172,11 @@ impl SegmentMaxima {
             self.open[column].retain(|open| *open != index);
             self.count -= 1;
         }
-        let start = if self.open[column].is_empty() { CLOSED } else { f64::NEG_INFINITY };
+        let start = if self.open[column].is_empty() {
+            CLOSED
+        } else {
+            f64::NEG_INFINITY
+        };
         for e in 0..self.epsilons {
             self.since[e * COLUMNS + column] = start;
         }
