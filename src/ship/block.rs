@@ -4,56 +4,21 @@
 //! measured at that instant is capsize_angle. The instant is the end of one step and the start of the next. An overflowed
 //! state is a capsize too: no NaN and no infinity gets out.
 //!
-//! The largest roll over a step takes in both ends and, where theta_dot changes sign, the extremum of the cubic Hermite
-//! interpolant between them, at most capsize_angle.
+//! The largest roll over a step takes in both ends and the peak between them.
 //!
 //! Tested through `tests/physics/{response,encounter}.rs` against a scalar twin, bit for bit, at every level.
 
-use crate::numerics::{hermite, rk4};
+use crate::numerics::rk4;
 use crate::ship::initial_condition::RollState;
-use crate::ship::response::Roll;
 use crate::ship::roll_equation::RollEquation;
-use crate::ship::simulation::{BlockRows, COLUMNS, EPSILONS, LANES, Simulation};
+use crate::ship::simulation::{BlockRows, COLUMNS, EPSILONS, LANES};
+use crate::ship::turn::{Rules, Turn};
 use std::ops::Range;
 
 /// Steps of a block.
 pub(crate) const BLOCK: usize = 16;
-/// Peaks evaluated side by side.
-const AT_ONCE: usize = 8;
 /// The sign of a number.
 const SIGN: u64 = 1 << 63;
-
-/// What the inner loops need of [`Simulation`].
-#[derive(Clone, Copy)]
-pub(crate) struct Rules {
-    h: f64,
-    capsize_angle: f64,
-    temporal_level: f64,
-    is_signed: bool,
-}
-
-impl Rules {
-    pub(crate) fn new(simulation: &Simulation) -> Self {
-        Self {
-            h: simulation.h,
-            capsize_angle: simulation.truth.capsize_angle,
-            temporal_level: simulation.truth.temporal_level,
-            is_signed: simulation.truth.roll == Roll::Signed,
-        }
-    }
-
-    /// False at a capsize, and in a state that is no number.
-    #[inline(always)]
-    fn is_upright(self, theta: f64, theta_dot: f64) -> bool {
-        (theta.abs() <= self.capsize_angle) & (theta_dot.abs() <= f64::MAX)
-    }
-
-    /// The roll that is compared with thresholds, of a roll angle.
-    #[inline(always)]
-    fn measured(self, theta: f64) -> f64 {
-        if self.is_signed { theta } else { theta.abs() }
-    }
-}
 
 /// Up to sixteen steps of roll: row 0 of each state is the start, row k the end of the k-th step.
 #[repr(C, align(64))]
@@ -76,7 +41,7 @@ pub(crate) struct Block {
     pub(crate) has_capsizes: bool,
     /// Steps in use.
     pub(crate) n: usize,
-    rules: Rules,
+    pub(crate) rules: Rules,
 }
 
 impl Block {
@@ -246,135 +211,81 @@ impl Block {
         }
     }
 
-    /// The largest of a roll so far and the measured roll over the block, both ends and all peaks included, in every lane.
+    /// Takes in the measured roll over the block, both ends included, in every lane.
     #[inline(always)]
-    pub(crate) fn largest(&self, so_far: &[f64; LANES]) -> [f64; LANES] {
-        let mut largest = *so_far;
+    pub(crate) fn raise(&self, since: &mut Since) {
+        let Since { largest, held } = since;
         for i in 0..LANES {
-            largest[i] = if self.top[i] > largest[i] {
-                self.top[i]
-            } else {
-                largest[i]
-            };
+            let top = self.top[i];
+            largest[i] = if top > largest[i] { top } else { largest[i] };
         }
-        self.raise_to_peaks(&self.turns, &mut largest);
-        largest
-    }
-
-    /// The same in some lanes over some steps alone; nothing is taken in if there are none.
-    pub(crate) fn largest_within<const L: usize>(
-        &self,
-        lanes: [usize; L],
-        steps: Range<usize>,
-        so_far: [f64; L],
-    ) -> [f64; L] {
-        let mut largest = so_far;
-        if steps.is_empty() {
-            return largest;
-        }
-        for row in &self.measured[steps.start..=steps.end] {
-            for (largest, lane) in largest.iter_mut().zip(lanes) {
-                *largest = if row[lane] > *largest { row[lane] } else { *largest };
-            }
-        }
-        for (largest, lane) in largest.iter_mut().zip(lanes) {
-            let turns = self.turns[lane] & ((1 << steps.end) - 1) & !((1 << steps.start) - 1);
-            *largest = self.raised(lane, turns, *largest);
-        }
-        largest
-    }
-
-    /// Raises the largest roll to the peaks inside the steps at which theta_dot changes sign: bit k of a lane's `turns`.
-    ///
-    /// A largest roll of infinity is let alone.
-    #[inline(always)]
-    fn raise_to_peaks(&self, turns: &[u64; LANES], largest: &mut [f64; LANES]) {
         let mut found = [(0, 0); LANES];
         let mut count = 0;
-        let mut again = 0;
+        let mut later = 0;
         for lane in 0..LANES {
-            let turns = turns[lane];
+            let turns = self.turns[lane];
             found[count] = (lane, turns.trailing_zeros() as usize % BLOCK);
             count += usize::from((turns != 0) & (largest[lane] < f64::INFINITY));
-            again |= turns & turns.wrapping_sub(1);
+            later |= turns & turns.wrapping_sub(1);
         }
-        self.raise_to_some(&mut found[..count], largest);
-        // Rarely does a lane turn twice in one block.
-        if again != 0 {
-            for lane in 0..LANES {
-                largest[lane] = self.raised(lane, turns[lane] & turns[lane].wrapping_sub(1), largest[lane]);
-            }
-        }
-    }
-
-    /// The largest of a roll so far and the peaks of some turns of a lane.
-    fn raised(&self, lane: usize, mut turns: u64, mut largest: f64) -> f64 {
-        while turns != 0 {
-            let k = turns.trailing_zeros() as usize;
-            if self.highest_peak(lane, k) > largest {
-                let [peak] = self.peaks([(lane, k)]);
-                largest = if peak > largest { peak } else { largest };
-            }
-            turns &= turns - 1;
-        }
-        largest
-    }
-
-    /// Raises the largest roll to the peaks of some turns, (lane, step), a lane once at most.
-    #[inline(always)]
-    fn raise_to_some(&self, found: &mut [(usize, usize)], largest: &mut [f64; LANES]) {
         let mut high = 0;
-        for at in 0..found.len() {
+        for at in 0..count {
             let (lane, k) = found[at];
             found[high] = (lane, k);
-            high += usize::from(self.highest_peak(lane, k) > largest[lane]);
+            high += usize::from(self.turn(lane, k).most > largest[lane]);
         }
-        for first in (0..high).step_by(AT_ONCE) {
-            let mut places = [found[first]; AT_ONCE];
-            for (place, turn) in places.iter_mut().zip(&found[first..high]) {
-                *place = *turn;
-            }
-            let peaks = self.peaks(places);
-            for (peak, (lane, _)) in peaks.into_iter().zip(places) {
-                largest[lane] = if peak > largest[lane] { peak } else { largest[lane] };
+        for (lane, k) in &found[..high] {
+            self.turn(*lane, *k)
+                .hold(self.rules, &mut held[*lane], &mut largest[*lane]);
+        }
+        // Rarely does a lane turn twice in one block.
+        if later != 0 {
+            for lane in 0..LANES {
+                self.hold_all(lane, self.turns[lane] & self.turns[lane].wrapping_sub(1), since);
             }
         }
     }
 
-    /// A bound of the measured extremum inside a step: the cubic's two slopes lift it by h (|v_0| + |v_1|) 4/27 at most.
+    /// The same in one lane over some steps alone; nothing is taken in if there are none.
+    pub(crate) fn raise_within(&self, lane: usize, steps: Range<usize>, since: &mut Since) {
+        if steps.is_empty() {
+            return;
+        }
+        let mut largest = since.largest[lane];
+        for row in &self.measured[steps.start..=steps.end] {
+            largest = if row[lane] > largest { row[lane] } else { largest };
+        }
+        since.largest[lane] = largest;
+        let turns = self.turns[lane] & ((1 << steps.end) - 1) & !((1 << steps.start) - 1);
+        self.hold_all(lane, turns, since);
+    }
+
+    /// Takes in some turns of a lane.
+    fn hold_all(&self, lane: usize, mut turns: u64, since: &mut Since) {
+        while turns != 0 {
+            let turn = self.turn(lane, turns.trailing_zeros() as usize);
+            turn.hold(self.rules, &mut since.held[lane], &mut since.largest[lane]);
+            turns &= turns - 1;
+        }
+    }
+
+    /// The turn of a lane in the k-th step.
     #[inline(always)]
-    fn highest_peak(&self, lane: usize, k: usize) -> f64 {
-        let ([x_0, x_1], [v_0, v_1]) = (
+    fn turn(&self, lane: usize, k: usize) -> Turn {
+        Turn::new(
+            self.rules,
             [self.theta[k][lane], self.theta[k + 1][lane]],
             [self.theta_dot[k][lane], self.theta_dot[k + 1][lane]],
-        );
-        let (start, end) = (self.rules.measured(x_0), self.rules.measured(x_1));
-        let higher = if start > end { start } else { end };
-        // Both terms are rounded up, the second stands for rounding.
-        higher + 0.15 * self.rules.h * (v_0.abs() + v_1.abs()) + 1e-12 * (x_0.abs() + x_1.abs())
+        )
     }
+}
 
-    /// The measured extrema inside some steps, (lane, step), at most capsize_angle.
-    #[inline(always)]
-    fn peaks<const L: usize>(&self, places: [(usize, usize); L]) -> [f64; L] {
-        let [mut x, mut v] = [[[0.0; L]; 2]; 2];
-        for (j, (lane, k)) in places.into_iter().enumerate() {
-            for end in 0..2 {
-                x[end][j] = self.theta[k + end][lane];
-                v[end][j] = self.theta_dot[k + end][lane];
-            }
-        }
-        let mut peaks = hermite::extremum(self.rules.h, x, v);
-        for peak in &mut peaks {
-            let there = self.rules.measured(*peak);
-            *peak = if there > self.rules.capsize_angle {
-                self.rules.capsize_angle
-            } else {
-                there
-            };
-        }
-        peaks
-    }
+/// The largest roll in every lane since some instant.
+pub(crate) struct Since {
+    /// Of the full steps and some peaks, rad; nothing is taken in at infinity.
+    pub(crate) largest: [f64; LANES],
+    /// The one turn that may be higher.
+    pub(crate) held: [Turn; LANES],
 }
 
 /// The elevation of each lane's column.

@@ -13,6 +13,7 @@ use crate::ship::initial_condition::RollState;
 use crate::ship::response::{Capsize, Response};
 use crate::ship::segments::{Segment, SegmentMaxima};
 use crate::ship::simulation::{BlockRows, COLUMNS, EPSILONS, LANES, Observer, Simulation, Span, Waves};
+use crate::ship::turn::Rules;
 
 /// The time grid of a field's run, in RK4 steps.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -126,7 +127,7 @@ impl<'a> TruthObserver<'a> {
         Self {
             simulation,
             timing,
-            maxima: SegmentMaxima::new(segments, epsilons),
+            maxima: SegmentMaxima::new(segments, epsilons, Rules::new(simulation)),
             capsizes: [0.0; LANES],
             capsizes_in_run: [0.0; LANES],
             above: [0.0; LANES],

@@ -17,6 +17,7 @@ use crate::ship::group_waves::GroupWaves;
 use crate::ship::initial_condition::{RollState, predecessor};
 use crate::ship::segments::{Segment, SegmentMaxima};
 use crate::ship::simulation::{BlockRows, COLUMNS, EPSILONS, Observer, Simulation, Span, Waves};
+use crate::ship::turn::Rules;
 use std::f64::consts::TAU;
 
 /// A wave group as the ship sees it.
@@ -177,7 +178,7 @@ fn side_by_side<W: Waves>(
                 *state = states[departure.run];
             }
         }
-        let mut observer = RunObserver(SegmentMaxima::new(&columns, r.len()));
+        let mut observer = RunObserver(SegmentMaxima::new(&columns, r.len(), Rules::new(simulation)));
         let epsilon_1 = &epsilon_1[first..first + r.len()];
         simulation.integrate(epsilon_1, &departures, &span, &mut waves(), &mut observer);
         for (r, found) in r.iter_mut().zip(observer.0.r) {

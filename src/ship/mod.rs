@@ -12,3 +12,4 @@ pub mod roll_equation;
 pub mod sample;
 pub mod segments;
 pub mod simulation;
+mod turn;

@@ -5,8 +5,9 @@
 //! segments its lanes keep one running maximum, which goes to every open segment at the next bound: blocks without a bound
 //! are taken in whole.
 
-use crate::ship::block::Block;
-use crate::ship::simulation::{COLUMNS, EPSILONS, LANES};
+use crate::ship::block::{Block, Since};
+use crate::ship::simulation::{COLUMNS, LANES};
+use crate::ship::turn::{Rules, Turn};
 use std::ops::Range;
 
 /// Full steps `first..=last` of a run.
@@ -69,12 +70,13 @@ pub(crate) struct SegmentMaxima {
     open: [Vec<usize>; COLUMNS],
     /// Open segments of all columns.
     count: usize,
-    // Per lane, the largest roll since its column's last bound, or CLOSED.
-    since: [f64; LANES],
+    rules: Rules,
+    // The largest roll since the last bound of each lane's column, or CLOSED.
+    since: Since,
 }
 
 impl SegmentMaxima {
-    pub(crate) fn new(columns: &[Vec<Segment>], epsilons: usize) -> Self {
+    pub(crate) fn new(columns: &[Vec<Segment>], epsilons: usize, rules: Rules) -> Self {
         let unseen: Vec<Vec<f64>> = columns.iter().map(|list| vec![f64::NEG_INFINITY; list.len()]).collect();
         let mut bounds = Vec::new();
         for (column, segments) in columns.iter().enumerate() {
@@ -97,7 +99,11 @@ impl SegmentMaxima {
             next: 0,
             open: std::array::from_fn(|_| Vec::new()),
             count: 0,
-            since: [CLOSED; LANES],
+            rules,
+            since: Since {
+                largest: [CLOSED; LANES],
+                held: [Turn::NONE; LANES],
+            },
         }
     }
 
@@ -108,7 +114,7 @@ impl SegmentMaxima {
         if self.bounds.get(self.next).is_some_and(|bound| bound.step < end) {
             self.pass_bounds(step, block);
         } else if self.count != 0 {
-            self.since = block.largest(&self.since);
+            block.raise(&mut self.since);
         }
     }
 
@@ -122,16 +128,18 @@ impl SegmentMaxima {
             has_bound[bound.column] = true;
             self.next += 1;
         }
-        let mut whole = self.since;
+        let before = self.since.largest;
         for lane in 0..LANES {
-            whole[lane] = if has_bound[lane % COLUMNS] { CLOSED } else { whole[lane] };
+            let largest = &mut self.since.largest[lane];
+            *largest = if has_bound[lane % COLUMNS] { CLOSED } else { *largest };
         }
-        let whole = block.largest(&whole);
+        block.raise(&mut self.since);
         for lane in 0..LANES {
-            self.since[lane] = if has_bound[lane % COLUMNS] {
-                self.since[lane]
+            let largest = &mut self.since.largest[lane];
+            *largest = if has_bound[lane % COLUMNS] {
+                before[lane]
             } else {
-                whole[lane]
+                *largest
             };
         }
         let mut from = [0; COLUMNS];
@@ -152,10 +160,10 @@ impl SegmentMaxima {
 
     /// Takes in some steps of a block in one column.
     fn take(&mut self, block: &Block, column: usize, steps: Range<usize>) {
-        let lanes: [usize; EPSILONS] = std::array::from_fn(|e| e * COLUMNS + column);
-        let largest = block.largest_within(lanes, steps, lanes.map(|lane| self.since[lane]));
-        for (lane, largest) in lanes.into_iter().zip(largest) {
-            self.since[lane] = largest;
+        if !self.open[column].is_empty() {
+            for e in 0..self.epsilons {
+                block.raise_within(e * COLUMNS + column, steps.clone(), &mut self.since);
+            }
         }
     }
 
@@ -178,14 +186,19 @@ impl SegmentMaxima {
             f64::NEG_INFINITY
         };
         for e in 0..self.epsilons {
-            self.since[e * COLUMNS + column] = start;
+            self.since.largest[e * COLUMNS + column] = start;
+            self.since.held[e * COLUMNS + column] = Turn::NONE;
         }
     }
 
     /// Gives what a column gathered since its last bound to its open segments.
     fn settle(&mut self, column: usize) {
+        if self.open[column].is_empty() {
+            return;
+        }
         for (e, columns) in self.r.iter_mut().enumerate() {
-            let since = self.since[e * COLUMNS + column];
+            let lane = e * COLUMNS + column;
+            let since = self.since.held[lane].raise(self.rules, self.since.largest[lane]);
             for index in &self.open[column] {
                 let r = &mut columns[column][*index];
                 *r = if since > *r { since } else { *r };

@@ -7,10 +7,11 @@
 //! Tested through `tests/physics/{response,encounter}.rs` against a scalar twin, bit for bit, at every level.
 
 use crate::numerics::lanes::{Kernel, Level, dispatch_at};
-use crate::ship::block::{BLOCK, Block, Rules};
+use crate::ship::block::{BLOCK, Block};
 use crate::ship::columns::Departure;
 use crate::ship::response::Truth;
 use crate::ship::roll_equation::{Damping, RollEquation, Ship};
+use crate::ship::turn::Rules;
 use std::ops::Range;
 
 /// Columns of waves side by side: fields, or single runs.
