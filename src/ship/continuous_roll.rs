@@ -1,8 +1,8 @@
 //! Continuous roll along the periodic record: the ground truth of Eq. (1), and the states that PIC draws from.
 //!
-//! A field's run starts at rest at t = -lead_in (rounded up to full steps), goes through [0, T_f) and on until the
-//! segment of the longest possible group has ended. The record is periodic with T_f, so t < 0 and t > T_f are defined.
-//! Eight fields and up to three epsilon_1 run side by side on one elevation.
+//! A field's run starts at rest at t = -lead_in (rounded up to full steps), goes through [0, T_f) and on until the last
+//! segment has ended; under `discard_field`, until that of the longest possible group would have. The record is periodic
+//! with T_f, so t < 0 and t > T_f are defined. Eight fields and up to three epsilon_1 run side by side on one elevation.
 //!
 //! Counted in [0, T_f) alone, at full steps: capsizes, and the time above the temporal level.
 //! Tested in `tests/physics/response.rs` against a scalar run that keeps its whole trajectory.
