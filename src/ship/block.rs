@@ -225,7 +225,7 @@ impl Block {
         for lane in 0..LANES {
             let turns = self.turns[lane];
             found[count] = (lane, turns.trailing_zeros() as usize % BLOCK);
-            count += usize::from(turns != 0 && largest[lane] < f64::INFINITY);
+            count += usize::from(turns != 0) & usize::from(largest[lane] < f64::INFINITY);
             later |= turns & turns.wrapping_sub(1);
         }
         let mut high = 0;
