@@ -99,10 +99,9 @@ impl Stage for GroundTruth {
             let rolled = continuous_record(&simulation, &timing, &eta, encounters);
             for (e, (responses, angles)) in rolled.responses.into_iter().zip(rolled.angles).enumerate() {
                 for (response, angles) in responses.iter().zip(&angles) {
-                    if response.dropped {
-                        continue;
+                    if !response.dropped {
+                        temporal[e].add_field(&levels, angles);
                     }
-                    temporal[e].add_field(&levels, angles);
                 }
                 fields[e].extend(responses);
             }

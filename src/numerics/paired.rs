@@ -5,15 +5,16 @@
 //! | c_k | `spectrum[k - 1]` | (modes) x 8 | complex amplitude of mode k = 1, 2, ..., N |
 //! | M, N = 1024, R = M/N | `samples`, `N`, `shifts` | 1 | points of a series, of a transform, and their ratio |
 //! | P_k, S_k | `bins` | (N) x 8 | what modes k and k - N put into bin k |
-//! | r, q | r, q | 0..R/2, 0..N | a shift, a point of its transform |
+//! | r, q | r, q | 0, 2, .. R - 2; 0..N | a shift, a point of its transform |
 //!
-//! The series at a shift is real, so shifts r and r + R/2 share one complex transform: with w = e^(2 pi i/M), u_r = w^(-N r),
-//! P = c (1 + i e^(i pi k/N))/2 and S_k = conj(Q_(N - k)), Q = c (1 - i e^(i pi k/N))/2,
+//! The series at a shift is real, so shifts r and r + 1 share one complex transform: with w = e^(2 pi i/M), u_r = w^(-N r),
+//! P = c (1 + i w^k)/2 and S_k = conj(Q_(N - k)), Q = c (1 - i w^k)/2,
 //! ```text
-//! eta(r + R q) + i eta(r + R/2 + R q) = sum_k (P_k + u_r S_k) w^(k r) e^(2 pi i k q/N)
+//! eta(r + R q) + i eta(r + 1 + R q) = sum_k (P_k + u_r S_k) w^(k r) e^(2 pi i k q/N)
 //! ```
 //! k = k_1 + 32 k_2 and q = q_1 + 32 q_2: first over k_2 at every k_1, then over k_1 at every q_1. Loops over the eight
-//! fields are innermost and work in place, which is what the compiler turns into whole vectors at every level.
+//! fields are innermost and work in place, which is what the compiler turns into whole vectors at every level. A series
+//! does not fit a cache near the CPU: both shifts of a transform are neighbours, and what else is touched is kept small.
 //! Tested against direct sums and rustfft in `tests/physics/fourier.rs`.
 
 use crate::numerics::fourier::{Lanes, WIDTH, turn};
@@ -26,8 +27,6 @@ pub(crate) const N: usize = 1024;
 const SIDE: usize = 32;
 /// Distance of the rows between the passes: not a multiple of 4 kB, so that a column spreads over the cache.
 const ROW: usize = SIDE + 1;
-/// Shifts side by side: their samples are neighbours in memory.
-const GROUP: usize = 4;
 
 /// Eight complex numbers on cache lines of their own.
 #[derive(Clone, Copy)]
@@ -55,7 +54,7 @@ struct Bin {
 struct Constants {
     /// (samples) e^(2 pi i j/M).
     turns: Vec<Complex<f64>>,
-    /// (R/2, 32, 32) w^(k_1 (r + R q_1)), k_1 innermost: the phase of a shift and the twiddle between the passes in one.
+    /// (R/2, 32, 32) w^(k_1 (r + R q_1)) for even r, k_1 innermost: the phase of a shift and the twiddle between the passes in one.
     between: Vec<Complex<f64>>,
     /// (8, 4) e^(2 pi i n m/32).
     within: [[Complex<f64>; 4]; 8],
@@ -71,7 +70,7 @@ pub(crate) struct Paired {
     bins: Vec<Bin>,
     /// c_N, which meets its own negative in bin 0.
     last: Wide,
-    // (GROUP, 32, ROW), the result of the first pass by k_1 and q_1.
+    // (32, ROW), the result of the first pass by k_1 and q_1.
     rows: Vec<Wide>,
 }
 
@@ -82,8 +81,8 @@ impl Paired {
         let turns: Vec<_> = (0..samples).map(|j| turn(j, samples)).collect();
         let at = |r: usize, q: usize, k: usize| turns[(k * (r + shifts * q)) & (samples - 1)];
         let between = (0..shifts / 2)
-            .flat_map(|r| (0..SIDE).flat_map(move |q| (0..SIDE).map(move |k| (r, q, k))))
-            .map(|(r, q, k)| at(r, q, k))
+            .flat_map(|pair| (0..SIDE).flat_map(move |q| (0..SIDE).map(move |k| (pair, q, k))))
+            .map(|(pair, q, k)| at(2 * pair, q, k))
             .collect();
         let constants = Constants {
             between,
@@ -102,7 +101,7 @@ impl Paired {
                 N
             ],
             last: Wide::ZERO,
-            rows: vec![Wide::ZERO; GROUP * SIDE * ROW],
+            rows: vec![Wide::ZERO; SIDE * ROW],
         }
     }
 
@@ -111,7 +110,7 @@ impl Paired {
     fn load(&mut self, spectrum: &[Complex<Lanes>]) {
         self.last = Wide::ZERO;
         for k in 1..=N {
-            let turn = self.constants.turns[(k * (self.shifts / 2)) & (self.constants.turns.len() - 1)];
+            let turn = self.constants.turns[k];
             let zero = Lanes([0.0; WIDTH]);
             let c = spectrum.get(k - 1).copied().unwrap_or(Complex { re: zero, im: zero });
             let (re, im) = (c.re.0, c.im.0);
@@ -121,7 +120,7 @@ impl Paired {
             }
             let (p, s) = (place(k), place(N - k));
             for i in 0..WIDTH {
-                // i c e^(i pi k/N), which P adds and Q subtracts.
+                // i c w^k, which P adds and Q subtracts.
                 let turned_re = -(re[i] * turn.im + im[i] * turn.re);
                 let turned_im = re[i] * turn.re - im[i] * turn.im;
                 self.bins[p].p.re[i] = 0.5 * (re[i] + turned_re);
@@ -132,23 +131,22 @@ impl Paired {
         }
     }
 
-    /// The first pass of shift r, into the g-th place of its group.
+    /// The first pass of shifts r and r + 1.
     #[inline(always)]
-    fn first_pass(&mut self, r: usize, g: usize, local: &mut [Wide; SIDE]) {
+    fn first_pass(&mut self, r: usize, local: &mut [Wide; SIDE]) {
         let turns = &self.constants.turns;
         let at = |j: usize| turns[j & (turns.len() - 1)];
-        let u = at(N * r).conj();
-        // Bin 0 holds mode N and its negative: (1 - i) Re(c_N w^(N r)).
+        let (u, next) = (at(N * r).conj(), at(N * (r + 1)).conj());
+        // Bin 0 holds mode N and its negative: Re(c_N w^(N r)) + i Re(c_N w^(N (r + 1))).
         for i in 0..WIDTH {
-            let both = self.last.re[i] * u.re + self.last.im[i] * u.im;
-            self.bins[0].p.re[i] = both;
-            self.bins[0].p.im[i] = -both;
+            self.bins[0].p.re[i] = self.last.re[i] * u.re + self.last.im[i] * u.im;
+            self.bins[0].p.im[i] = self.last.re[i] * next.re + self.last.im[i] * next.im;
         }
         let mut shift = [u; SIDE];
         for (k, shift) in shift.iter_mut().enumerate() {
             *shift = at(SIDE * k * r);
         }
-        let rows = self.rows[g * SIDE * ROW..].as_chunks_mut::<ROW>().0;
+        let rows = self.rows.as_chunks_mut::<ROW>().0;
         for (bins, row) in self.bins.as_chunks::<SIDE>().0.iter().zip(rows) {
             for n in 0..8 {
                 enter_bins(bins, n, u, &shift, &self.constants.within[n], local);
@@ -162,12 +160,12 @@ impl Paired {
         }
     }
 
-    /// The second pass of shift r at one q_1, from the g-th place of its group to the series.
+    /// The second pass of shifts r and r + 1 at one q_1, to the series.
     #[inline(always)]
-    fn second_pass(&self, (r, g, q): (usize, usize, usize), local: &mut [Wide; SIDE], out: &mut [[f64; WIDTH]]) {
+    fn second_pass(&self, r: usize, q: usize, local: &mut [Wide; SIDE], out: &mut [[f64; WIDTH]]) {
         let (Some(rows), Some(between)) = (
-            self.rows.as_chunks::<{ SIDE * ROW }>().0.get(g),
-            self.constants.between.as_chunks::<SIDE>().0.get(r * SIDE + q),
+            self.rows.first_chunk(),
+            self.constants.between.as_chunks::<SIDE>().0.get(r / 2 * SIDE + q),
         ) else {
             return;
         };
@@ -179,7 +177,7 @@ impl Paired {
             for (k, value) in eight.iter().enumerate() {
                 let j = r + self.shifts * (q + SIDE * (m + 4 * k));
                 out[j] = value.re;
-                out[j + self.shifts / 2] = value.im;
+                out[j + 1] = value.im;
             }
         }
     }
@@ -205,16 +203,10 @@ impl Kernel for RealSeries<'_> {
         let Self { plan, spectrum, out } = self;
         plan.load(spectrum);
         let mut local = [Wide::ZERO; SIDE];
-        let pairs = plan.shifts / 2;
-        for first in (0..pairs).step_by(GROUP) {
-            let count = GROUP.min(pairs - first);
-            for g in 0..count {
-                plan.first_pass(first + g, g, &mut local);
-            }
+        for r in (0..plan.shifts).step_by(2) {
+            plan.first_pass(r, &mut local);
             for q in 0..SIDE {
-                for g in 0..count {
-                    plan.second_pass((first + g, g, q), &mut local, out);
-                }
+                plan.second_pass(r, q, &mut local, out);
             }
         }
     }

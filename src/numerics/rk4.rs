@@ -3,7 +3,7 @@
 //! | paper | code | shape | meaning |
 //! |---|---|---|---|
 //! | theta, theta' | theta, theta_dot | `(L)` | state of L independent oscillators |
-//! | eta | forcing | `(3, L)` | forcing at t, t + h/2, t + h |
+//! | eta | forcing | `(3)` of any kind | forcing at t, t + h/2, t + h |
 //!
 //! The paper says "4th-order Runge-Kutta" and no more; the step is fixed (Decision 3). Structure of arrays, so that each
 //! line is one vector operation. Tested in `tests/physics/rk4.rs`: observed order 4, an exact solution, a scalar twin.
@@ -32,12 +32,12 @@ fn advanced<const L: usize>(x: [f64; L], by: f64, k: [[f64; L]; 4]) -> [f64; L] 
 ///
 /// `acceleration(theta, theta_dot, forcing)` is the right-hand side; it must be inlined to be compiled per level.
 #[inline(always)]
-pub fn step<const L: usize>(
-    acceleration: impl Fn([f64; L], [f64; L], [f64; L]) -> [f64; L],
+pub fn step<const L: usize, F: Copy>(
+    acceleration: impl Fn([f64; L], [f64; L], F) -> [f64; L],
     h: f64,
     theta: [f64; L],
     theta_dot: [f64; L],
-    forcing: [[f64; L]; 3],
+    forcing: [F; 3],
 ) -> ([f64; L], [f64; L]) {
     let [now, middle, next] = forcing;
     let half = 0.5 * h;

@@ -1,8 +1,8 @@
 //! Continuous roll along the periodic record: the ground truth of Eq. (1), and the states that PIC draws from.
 //!
-//! A field's run starts at rest at t = -lead_in (rounded up to full steps), goes through [0, T_f) and on until the
-//! segment of the longest possible group has ended. The record is periodic with T_f, so t < 0 and t > T_f are defined.
-//! Eight fields and up to three epsilon_1 run side by side on one elevation.
+//! A field's run starts at rest at t = -lead_in (rounded up to full steps), goes through [0, T_f) and on until the last
+//! segment has ended; under `discard_field`, until that of the longest possible group would have. The record is periodic
+//! with T_f, so t < 0 and t > T_f are defined. Eight fields and up to three epsilon_1 run side by side on one elevation.
 //!
 //! Counted in [0, T_f) alone, at full steps: capsizes, and the time above the temporal level. |theta| itself is kept once
 //! a block, for the share of time above any other level.
@@ -14,6 +14,7 @@ use crate::ship::initial_condition::RollState;
 use crate::ship::response::{Capsize, Response};
 use crate::ship::segments::{Segment, SegmentMaxima};
 use crate::ship::simulation::{BlockRows, COLUMNS, EPSILONS, LANES, Observer, Simulation, Span, Waves};
+use crate::ship::turn::Rules;
 
 /// The time grid of a field's run, in RK4 steps.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -59,7 +60,10 @@ struct PeriodicRecord<'a> {
 
 impl Waves for PeriodicRecord<'_> {
     #[inline(always)]
-    fn rows<'a>(&'a self, step: i64, n: usize, space: &'a mut BlockRows) -> &'a BlockRows {
+    fn depart(&mut self, _: i64, _: usize, _: usize) {}
+
+    #[inline(always)]
+    fn rows<'a>(&'a mut self, step: i64, n: usize, space: &'a mut BlockRows) -> &'a BlockRows {
         let first = (2 * step).rem_euclid(self.eta.len() as i64) as usize;
         if let Some(rows) = self.eta[first..].first_chunk() {
             return rows;
@@ -92,16 +96,27 @@ pub fn continuous_record(
     let (start, end) = (-timing.lead_in, timing.steps + timing.tail);
     let segment = |g: &Encounter| Segment::around(g.t_c, simulation.truth.window * g.l, timing.h).within(start, end);
     let segments: Vec<Vec<Segment>> = groups.iter().map(|list| list.iter().map(segment).collect()).collect();
+    // What comes after the field and its last segment is of interest to `discard_field` alone.
+    let last = segments
+        .iter()
+        .flatten()
+        .map(|segment| segment.last)
+        .fold(timing.steps, i64::max);
+    let end = if simulation.truth.capsize == Capsize::DiscardField {
+        end
+    } else {
+        last
+    };
     // Blocks end at the step before each bound: their last instant then lies on the same side as all others.
     let span = Span {
         steps: start..end,
         cuts: [-1, timing.steps - 1],
     };
-    let waves = PeriodicRecord { eta };
+    let mut waves = PeriodicRecord { eta };
     let mut rolled = Rolled::default();
     for epsilon_1 in simulation.ship.epsilon_1.chunks(EPSILONS) {
         let mut observer = TruthObserver::new(simulation, timing, &segments, epsilon_1.len());
-        simulation.integrate(epsilon_1, &[], &span, &waves, &mut observer);
+        simulation.integrate(epsilon_1, &[], &span, &mut waves, &mut observer);
         rolled.angles.extend(observer.angles(epsilon_1.len(), groups.len()));
         rolled.responses.extend(observer.responses());
     }
@@ -125,7 +140,7 @@ impl<'a> TruthObserver<'a> {
         Self {
             simulation,
             timing,
-            maxima: SegmentMaxima::new(segments, epsilons),
+            maxima: SegmentMaxima::new(segments, epsilons, Rules::new(simulation)),
             capsizes: [0.0; LANES],
             capsizes_in_run: [0.0; LANES],
             above: [0.0; LANES],
@@ -165,7 +180,7 @@ impl Observer for TruthObserver<'_> {
     fn observe(&mut self, step: i64, block: &Block) {
         let counts = step >= -1 && step < self.timing.steps - 1;
         if counts {
-            add(&mut self.above, &block.time_above(self.simulation.truth.temporal_level));
+            add(&mut self.above, &block.above);
             // The step before t = 0 starts a block, and every sixteenth after it.
             self.angles.push(block.first_angle());
         }
@@ -213,7 +228,7 @@ pub fn continuous_states(
             fields,
             states: vec![vec![Vec::new(); fields]; epsilon_1.len()],
         };
-        simulation.integrate(epsilon_1, &[], &span, &PeriodicRecord { eta }, &mut observer);
+        simulation.integrate(epsilon_1, &[], &span, &mut PeriodicRecord { eta }, &mut observer);
         states.extend(observer.states);
     }
     states

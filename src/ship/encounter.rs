@@ -6,17 +6,19 @@
 //! record  eta(t) of the field itself                                                   NIC
 //! ```
 //! The first has its carrier's zero of phase at the centre: the clock of such a run is zero there, so one formula serves
-//! both. A capsize restarts the ship; in the segment it makes r = capsize_angle. Runs of like length go together; one
-//! that has ended idles on, unobserved, until its longest neighbour has.
+//! both. A capsize restarts the ship; in the segment it makes r = capsize_angle. A column of runs
+//! that has come to its end idles on, unobserved, until the others have.
 //!
 //! Tested in `tests/physics/encounter.rs`: scalar twin, the table of single groups, neighbours of a capsized lane.
 
-use crate::ship::block::Block;
+use crate::ship::block::{BLOCK, Block};
+use crate::ship::columns::departures;
 use crate::ship::group_waves::GroupWaves;
 use crate::ship::initial_condition::{Estimate, RollState, predecessor};
 use crate::ship::response::Truth;
 use crate::ship::segments::{Segment, SegmentMaxima};
 use crate::ship::simulation::{BlockRows, COLUMNS, EPSILONS, Observer, Simulation, Span, Waves};
+use crate::ship::turn::Rules;
 use std::f64::consts::TAU;
 
 /// A wave group as the ship sees it.
@@ -141,9 +143,8 @@ pub fn max_roll_through_groups(
     initial: &[Vec<RollState>],
 ) -> Vec<Vec<f64>> {
     let segments: Vec<Segment> = runs.iter().map(|run| run.segment).collect();
-    side_by_side(simulation, &segments, initial, |members| {
-        GroupWaves::new(members.map(|run| &runs[run]), TAU / t_p, simulation.h)
-    })
+    let waves = || GroupWaves::new(runs, TAU / t_p, simulation.h);
+    side_by_side(simulation, &segments, initial, waves)
 }
 
 /// The largest roll of each run along the record of eight fields, `[epsilon_1][run]`, in rad.
@@ -151,50 +152,50 @@ pub fn max_roll_through_groups(
 /// `eta` is one field period (samples, 8), two samples a step.
 pub fn max_roll_along_record(simulation: &Simulation, eta: &[[f64; COLUMNS]], runs: &[RecordRun]) -> Vec<Vec<f64>> {
     let segments: Vec<Segment> = runs.iter().map(|run| run.segment).collect();
-    // Runs start anywhere: field by field their samples lie close together.
-    let fields: Vec<Vec<f64>> = (0..COLUMNS)
-        .map(|column| eta.iter().map(|row| row[column]).collect())
-        .collect();
-    side_by_side(simulation, &segments, &[], |members| RecordWaves {
-        fields: &fields,
-        runs: members.map(|run| runs[run]),
-    })
+    let waves = || RecordWaves {
+        eta,
+        runs,
+        places: [(0, 0); COLUMNS],
+    };
+    side_by_side(simulation, &segments, &[], waves)
 }
 
-/// Integrates runs eight at a time, sorted by length; `waves_of` gives the waves of eight of them.
+/// Integrates runs in eight columns; `waves` gives waves in which no run has departed.
 fn side_by_side<W: Waves>(
     simulation: &Simulation,
     segments: &[Segment],
     initial: &[Vec<RollState>],
-    waves_of: impl Fn([usize; COLUMNS]) -> W,
+    waves: impl Fn() -> W,
 ) -> Vec<Vec<f64>> {
+    let mut departures = departures(segments);
+    let mut runs: [Vec<usize>; COLUMNS] = std::array::from_fn(|_| Vec::new());
+    let mut columns = vec![Vec::new(); COLUMNS];
+    let mut end = 0;
+    for departure in &departures {
+        let segment = segments[departure.run].since(-departure.step);
+        runs[departure.column].push(departure.run);
+        columns[departure.column].push(segment);
+        end = end.max(segment.last);
+    }
+    let span = Span {
+        steps: 0..end,
+        cuts: [0; 2],
+    };
     let epsilon_1 = &simulation.ship.epsilon_1;
     let mut r = vec![vec![0.0; segments.len()]; epsilon_1.len()];
-    let mut order: Vec<usize> = (0..segments.len()).collect();
-    order.sort_by_key(|run| segments[*run].last);
-    for eight in order.chunks(COLUMNS) {
-        // Columns left over repeat the longest run.
-        let members: [usize; COLUMNS] = std::array::from_fn(|column| eight[column.min(eight.len() - 1)]);
-        let waves = waves_of(members);
-        let columns: Vec<Vec<Segment>> = eight.iter().map(|run| vec![segments[*run]]).collect();
-        let span = Span {
-            steps: 0..segments[members[COLUMNS - 1]].last,
-            cuts: [0; 2],
-        };
-        for first in (0..epsilon_1.len()).step_by(EPSILONS) {
-            let last = (first + EPSILONS).min(epsilon_1.len());
-            let states: Vec<RollState> = initial
-                .iter()
-                .take(last)
-                .skip(first)
-                .flat_map(|states| members.map(|run| states[run]))
-                .collect();
-            let mut observer = RunObserver(SegmentMaxima::new(&columns, last - first));
-            simulation.integrate(&epsilon_1[first..last], &states, &span, &waves, &mut observer);
-            for (e, columns) in observer.0.r.iter().enumerate() {
-                for (run, found) in eight.iter().zip(columns) {
-                    r[first + e][*run] = found[0];
-                }
+    for (chunk, r) in r.chunks_mut(EPSILONS).enumerate() {
+        let first = chunk * EPSILONS;
+        for departure in &mut departures {
+            for (state, states) in departure.states.iter_mut().zip(initial.iter().skip(first)) {
+                *state = states[departure.run];
+            }
+        }
+        let mut observer = RunObserver(SegmentMaxima::new(&columns, r.len(), Rules::new(simulation)));
+        let epsilon_1 = &epsilon_1[first..first + r.len()];
+        simulation.integrate(epsilon_1, &departures, &span, &mut waves(), &mut observer);
+        for (r, found) in r.iter_mut().zip(observer.0.r) {
+            for (run, found) in runs.iter().flatten().zip(found.iter().flatten()) {
+                r[*run] = *found;
             }
         }
     }
@@ -217,25 +218,32 @@ impl Observer for RunObserver {
 
 /// Columns that follow the record, each from a start of its own.
 struct RecordWaves<'a> {
-    // (8, samples)
-    fields: &'a [Vec<f64>],
-    runs: [RecordRun; COLUMNS],
+    // (samples, 8 fields)
+    eta: &'a [[f64; COLUMNS]],
+    runs: &'a [RecordRun],
+    // Per column, the field and its sample at step 0 of the clock.
+    places: [(usize, i64); COLUMNS],
 }
 
 impl Waves for RecordWaves<'_> {
     #[inline(always)]
-    fn rows<'a>(&'a self, step: i64, n: usize, space: &'a mut BlockRows) -> &'a BlockRows {
-        let rows = &mut space[..=2 * n];
-        for (column, run) in self.runs.iter().enumerate() {
-            let eta = &self.fields[run.column as usize];
-            let first = (2 * (run.start + step)).rem_euclid(eta.len() as i64) as usize;
-            let until_end = rows.len().min(eta.len() - first);
-            let (before, after) = rows.split_at_mut(until_end);
-            for (row, value) in before.iter_mut().zip(&eta[first..]) {
-                row[column] = *value;
+    fn depart(&mut self, step: i64, column: usize, run: usize) {
+        let run = self.runs[run];
+        self.places[column] = (run.column as usize, 2 * (run.start - step));
+    }
+
+    #[inline(always)]
+    fn rows<'a>(&'a mut self, step: i64, n: usize, space: &'a mut BlockRows) -> &'a BlockRows {
+        for (column, (field, at_zero)) in self.places.into_iter().enumerate() {
+            let first = (at_zero + 2 * step).rem_euclid(self.eta.len() as i64) as usize;
+            if let Some(eta) = self.eta[first..].first_chunk::<{ 2 * BLOCK + 1 }>() {
+                for (row, eta) in space.iter_mut().zip(eta) {
+                    row[column] = eta[field];
+                }
+                continue;
             }
-            for (row, value) in after.iter_mut().zip(eta.iter().cycle()) {
-                row[column] = *value;
+            for (row, eta) in space[..=2 * n].iter_mut().zip(self.eta.iter().cycle().skip(first)) {
+                row[column] = eta[field];
             }
         }
         space

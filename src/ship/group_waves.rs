@@ -25,36 +25,31 @@ struct Bumps {
 }
 
 /// Columns of reconstructed groups on a carrier.
-pub(crate) struct GroupWaves {
+pub(crate) struct GroupWaves<'a> {
+    runs: &'a [GroupRun],
     omega_p: f64,
     delta: f64,
     /// (sin, cos) of the carrier's turn over one sample.
     turn: (f64, f64),
+    // Per column, the step and the time of the run's departure.
+    departure: [i64; COLUMNS],
     start: [f64; COLUMNS],
     bumps: Vec<Bumps>,
 }
 
-impl GroupWaves {
-    /// The waves of eight runs; h in s, omega_p in rad/s.
-    pub(crate) fn new(runs: [&GroupRun; COLUMNS], omega_p: f64, h: f64) -> Self {
+impl<'a> GroupWaves<'a> {
+    /// The waves of some runs; h in s, omega_p in rad/s.
+    pub(crate) fn new(runs: &'a [GroupRun], omega_p: f64, h: f64) -> Self {
         let delta = 0.5 * h;
         let most = runs.iter().map(|run| run.groups.len()).max().unwrap_or(0);
-        let mut bumps = vec![Bumps::default(); most];
-        for (column, run) in runs.iter().enumerate() {
-            for (bump, group) in bumps.iter_mut().zip(&run.groups) {
-                let w = delta / group.l;
-                bump.t_c[column] = group.t_c;
-                bump.inverse_l[column] = 1.0 / group.l;
-                bump.a[column] = group.a;
-                bump.ratio[column] = exp(-w * w);
-            }
-        }
         Self {
+            runs,
             omega_p,
             delta,
             turn: sin_cos(omega_p * delta),
-            start: runs.map(|run| run.start),
-            bumps,
+            departure: [0; COLUMNS],
+            start: [0.0; COLUMNS],
+            bumps: vec![Bumps::default(); most],
         }
     }
 
@@ -82,14 +77,29 @@ impl GroupWaves {
     }
 }
 
-impl Waves for GroupWaves {
+impl Waves for GroupWaves<'_> {
+    fn depart(&mut self, step: i64, column: usize, run: usize) {
+        let run = &self.runs[run];
+        self.departure[column] = step;
+        self.start[column] = run.start;
+        for (j, bump) in self.bumps.iter_mut().enumerate() {
+            let (t_c, inverse_l, a, ratio) = run.groups.get(j).map_or_else(Default::default, |group| {
+                let w = self.delta / group.l;
+                (group.t_c, 1.0 / group.l, group.a, exp(-w * w))
+            });
+            bump.t_c[column] = t_c;
+            bump.inverse_l[column] = inverse_l;
+            bump.a[column] = a;
+            bump.ratio[column] = ratio;
+        }
+    }
+
     #[inline(always)]
-    fn rows<'a>(&'a self, step: i64, n: usize, space: &'a mut BlockRows) -> &'a BlockRows {
+    fn rows<'a>(&'a mut self, step: i64, n: usize, space: &'a mut BlockRows) -> &'a BlockRows {
         let rows = &mut space[..=2 * n];
-        let elapsed = (2 * step) as f64 * self.delta;
         let [mut t, mut phase] = [[0.0; COLUMNS]; 2];
         for i in 0..COLUMNS {
-            t[i] = self.start[i] + elapsed;
+            t[i] = self.start[i] + (2 * (step - self.departure[i])) as f64 * self.delta;
             phase[i] = self.omega_p * t[i];
         }
         let mut envelopes = [[0.0; COLUMNS]; 2 * BLOCK + 1];

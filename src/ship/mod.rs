@@ -1,6 +1,7 @@
 //! Roll of the ship: the equation, the truth along a record, single runs through wave groups, exceedance.
 
 mod block;
+mod columns;
 pub mod continuous_roll;
 pub mod encounter;
 pub mod exceedance;
@@ -12,3 +13,4 @@ pub mod sample;
 pub mod segments;
 pub mod simulation;
 pub mod temporal;
+mod turn;

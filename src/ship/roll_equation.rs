@@ -77,6 +77,15 @@ pub struct RollEquation<const L: usize, const CUBIC: bool> {
     epsilon_2: f64,
 }
 
+/// The terms of Eq. (6) that hold the elevation, in every lane.
+#[derive(Clone, Copy, Debug)]
+pub struct Forcing<const L: usize> {
+    /// epsilon_2 eta, 1/s^2.
+    direct: [f64; L],
+    /// beta_1 + epsilon_1 eta, 1/s^2.
+    stiffness: [f64; L],
+}
+
 impl<const L: usize, const CUBIC: bool> RollEquation<L, CUBIC> {
     /// The equation of a ship; its list of epsilon_1 gives way to one value per lane.
     pub fn new(ship: &Ship, epsilon_1: [f64; L]) -> Self {
@@ -90,6 +99,17 @@ impl<const L: usize, const CUBIC: bool> RollEquation<L, CUBIC> {
         }
     }
 
+    /// What the elevation eta in m puts into Eq. (6): the same for every state at an instant.
+    #[inline(always)]
+    pub fn forcing(&self, eta: [f64; L]) -> Forcing<L> {
+        let [mut direct, mut stiffness] = [[0.0; L]; 2];
+        for i in 0..L {
+            direct[i] = self.epsilon_2 * eta[i];
+            stiffness[i] = self.beta_1 + self.epsilon_1[i] * eta[i];
+        }
+        Forcing { direct, stiffness }
+    }
+
     /// Eq. (6), the roll equation, solved for the acceleration theta'' in rad/s^2.
     ///
     /// ```text
@@ -97,14 +117,14 @@ impl<const L: usize, const CUBIC: bool> RollEquation<L, CUBIC> {
     /// ```
     /// `quadratic` damping has |v| in place of v^2.
     #[inline(always)]
-    pub fn acceleration(&self, theta: [f64; L], theta_dot: [f64; L], eta: [f64; L]) -> [f64; L] {
+    pub fn acceleration(&self, theta: [f64; L], theta_dot: [f64; L], forcing: Forcing<L>) -> [f64; L] {
         let mut result = [0.0; L];
         for i in 0..L {
             let (x, v) = (theta[i], theta_dot[i]);
             let power = if CUBIC { v * v } else { v.abs() };
             let damping = (self.alpha_1 + self.alpha_2 * power) * v;
-            let restoring = (self.beta_1 + self.epsilon_1[i] * eta[i] + self.beta_2 * (x * x)) * x;
-            result[i] = self.epsilon_2 * eta[i] - damping - restoring;
+            let restoring = (forcing.stiffness[i] + self.beta_2 * (x * x)) * x;
+            result[i] = forcing.direct[i] - damping - restoring;
         }
         result
     }

@@ -5,8 +5,9 @@
 //! segments its lanes keep one running maximum, which goes to every open segment at the next bound: blocks without a bound
 //! are taken in whole.
 
-use crate::ship::block::Block;
+use crate::ship::block::{Block, Since};
 use crate::ship::simulation::{COLUMNS, LANES};
+use crate::ship::turn::{Rules, Turn};
 use std::ops::Range;
 
 /// Full steps `first..=last` of a run.
@@ -46,6 +47,9 @@ impl Segment {
     }
 }
 
+/// The largest roll of a lane that no segment looks at: nothing is larger.
+const CLOSED: f64 = f64::INFINITY;
+
 /// A segment of a column opens or closes.
 struct Bound {
     step: i64,
@@ -66,12 +70,13 @@ pub(crate) struct SegmentMaxima {
     open: [Vec<usize>; COLUMNS],
     /// Open segments of all columns.
     count: usize,
-    // Per lane, the largest roll since its column's last bound.
-    since: [f64; LANES],
+    rules: Rules,
+    // The largest roll since the last bound of each lane's column, or CLOSED.
+    since: Since,
 }
 
 impl SegmentMaxima {
-    pub(crate) fn new(columns: &[Vec<Segment>], epsilons: usize) -> Self {
+    pub(crate) fn new(columns: &[Vec<Segment>], epsilons: usize, rules: Rules) -> Self {
         let unseen: Vec<Vec<f64>> = columns.iter().map(|list| vec![f64::NEG_INFINITY; list.len()]).collect();
         let mut bounds = Vec::new();
         for (column, segments) in columns.iter().enumerate() {
@@ -94,7 +99,11 @@ impl SegmentMaxima {
             next: 0,
             open: std::array::from_fn(|_| Vec::new()),
             count: 0,
-            since: [f64::NEG_INFINITY; LANES],
+            rules,
+            since: Since {
+                largest: [CLOSED; LANES],
+                held: [Turn::NONE; LANES],
+            },
         }
     }
 
@@ -102,73 +111,98 @@ impl SegmentMaxima {
     #[inline(always)]
     pub(crate) fn gather(&mut self, step: i64, block: &Block) {
         let end = step + block.n as i64;
-        let is_whole = self.bounds.get(self.next).is_none_or(|bound| bound.step >= end);
-        if is_whole && self.count == 0 {
-            return;
-        }
-        let whole = block.largest(&self.since);
-        if is_whole {
-            self.since = whole;
-        } else {
-            self.pass_bounds(step, block, whole);
+        if self.bounds.get(self.next).is_some_and(|bound| bound.step < end) {
+            self.pass_bounds(step, block);
+        } else if self.count != 0 {
+            block.raise(&mut self.since);
         }
     }
 
-    /// Passes the bounds inside a block: `whole` is the largest roll since the last bound for columns that have none in it.
-    fn pass_bounds(&mut self, step: i64, block: &Block, whole: [f64; LANES]) {
-        let mut passed: [Option<usize>; COLUMNS] = [None; COLUMNS];
-        while let Some(bound) = self
-            .bounds
-            .get(self.next)
-            .filter(|bound| bound.step < step + block.n as i64)
-        {
-            let (column, index, opens) = (bound.column, bound.index, bound.opens);
-            // A segment that starts before its run is open from the run's start.
-            let at = (bound.step - step).max(0) as usize;
-            self.take(block, column, passed[column].unwrap_or(0)..at);
-            passed[column] = Some(at);
-            self.settle(column);
-            if opens {
-                self.open[column].push(index);
-                self.count += 1;
-            } else {
-                self.open[column].retain(|open| *open != index);
-                self.count -= 1;
-            }
+    /// Takes in a block with bounds inside: whole where a column has none, else from bound to bound.
+    #[inline(always)]
+    fn pass_bounds(&mut self, step: i64, block: &Block) {
+        let first = self.next;
+        let end = step + block.n as i64;
+        let mut has_bound = [false; COLUMNS];
+        while let Some(bound) = self.bounds.get(self.next).filter(|bound| bound.step < end) {
+            has_bound[bound.column] = true;
             self.next += 1;
         }
-        for (column, at) in passed.into_iter().enumerate() {
-            if let Some(at) = at {
-                self.take(block, column, at..block.n);
-                continue;
-            }
-            for lane in (column..LANES).step_by(COLUMNS) {
-                self.since[lane] = whole[lane];
+        let before = self.since.largest;
+        for lane in 0..LANES {
+            let largest = &mut self.since.largest[lane];
+            *largest = if has_bound[lane % COLUMNS] { CLOSED } else { *largest };
+        }
+        block.raise(&mut self.since);
+        for lane in 0..LANES {
+            let largest = &mut self.since.largest[lane];
+            *largest = if has_bound[lane % COLUMNS] {
+                before[lane]
+            } else {
+                *largest
+            };
+        }
+        let mut from = [0; COLUMNS];
+        for index in first..self.next {
+            let Bound { step: at, column, .. } = self.bounds[index];
+            // A segment that starts before its run is open from the run's start.
+            let at = (at - step).max(0) as usize;
+            self.take(block, column, from[column]..at);
+            from[column] = at;
+            self.pass(index);
+        }
+        for column in 0..COLUMNS {
+            if has_bound[column] {
+                self.take(block, column, from[column]..block.n);
             }
         }
     }
 
     /// Takes in some steps of a block in one column.
     fn take(&mut self, block: &Block, column: usize, steps: Range<usize>) {
-        for lane in (column..LANES).step_by(COLUMNS).take(self.epsilons) {
-            let found = block.largest_over(lane, steps.clone());
-            self.since[lane] = if found > self.since[lane] {
-                found
-            } else {
-                self.since[lane]
-            };
+        if !self.open[column].is_empty() {
+            for e in 0..self.epsilons {
+                block.raise_within(e * COLUMNS + column, steps.clone(), &mut self.since);
+            }
+        }
+    }
+
+    /// Opens or closes a segment.
+    fn pass(&mut self, at: usize) {
+        let Bound {
+            column, index, opens, ..
+        } = self.bounds[at];
+        self.settle(column);
+        if opens {
+            self.open[column].push(index);
+            self.count += 1;
+        } else {
+            self.open[column].retain(|open| *open != index);
+            self.count -= 1;
+        }
+        let start = if self.open[column].is_empty() {
+            CLOSED
+        } else {
+            f64::NEG_INFINITY
+        };
+        for e in 0..self.epsilons {
+            self.since.largest[e * COLUMNS + column] = start;
+            self.since.held[e * COLUMNS + column] = Turn::NONE;
         }
     }
 
     /// Gives what a column gathered since its last bound to its open segments.
     fn settle(&mut self, column: usize) {
+        if self.open[column].is_empty() {
+            return;
+        }
         for (e, columns) in self.r.iter_mut().enumerate() {
-            let since = &mut self.since[e * COLUMNS + column];
+            let lane = e * COLUMNS + column;
+            let since = self.since.held[lane].raise(self.rules, self.since.largest[lane]);
             for index in &self.open[column] {
                 let r = &mut columns[column][*index];
-                *r = if *since > *r { *since } else { *r };
+                *r = if since > *r { since } else { *r };
             }
-            *since = f64::NEG_INFINITY;
         }
     }
 

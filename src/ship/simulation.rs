@@ -7,10 +7,11 @@
 //! Tested through `tests/physics/{response,encounter}.rs` against a scalar twin, bit for bit, at every level.
 
 use crate::numerics::lanes::{Kernel, Level, dispatch_at};
-use crate::ship::block::{BLOCK, Block, Rules};
-use crate::ship::initial_condition::RollState;
+use crate::ship::block::{BLOCK, Block};
+use crate::ship::columns::Departure;
 use crate::ship::response::Truth;
 use crate::ship::roll_equation::{Damping, RollEquation, Ship};
+use crate::ship::turn::Rules;
 use std::ops::Range;
 
 /// Columns of waves side by side: fields, or single runs.
@@ -46,10 +47,12 @@ pub(crate) type BlockRows = [[f64; COLUMNS]; 2 * BLOCK + 1];
 
 /// Surface elevation in eight columns.
 pub(crate) trait Waves {
+    /// A run takes up a column: its own step 0 is this full step.
+    fn depart(&mut self, step: i64, column: usize, run: usize);
     /// The elevation in m at full and half steps of n steps from a full step on, row k at `(step + k/2) h`.
     ///
     /// What is not kept in such rows is put into the given ones.
-    fn rows<'a>(&'a self, step: i64, n: usize, space: &'a mut BlockRows) -> &'a BlockRows;
+    fn rows<'a>(&'a mut self, step: i64, n: usize, space: &'a mut BlockRows) -> &'a BlockRows;
 }
 
 /// What looks at the roll, block by block.
@@ -81,19 +84,19 @@ impl Span {
 impl Simulation<'_> {
     /// Integrates eight columns for up to three epsilon_1 and shows every block to the observer.
     ///
-    /// `initial` holds one state per lane, or nothing: at rest.
+    /// All start at rest; `departures`, in the order of time, set single columns to other states on the way.
     pub(crate) fn integrate<W: Waves, O: Observer>(
         &self,
         epsilon_1: &[f64],
-        initial: &[RollState],
+        departures: &[Departure],
         span: &Span,
-        waves: &W,
+        waves: &mut W,
         observer: &mut O,
     ) {
         let integration = Integration {
             simulation: *self,
             epsilon_1,
-            initial,
+            departures,
             span,
             waves,
             observer,
@@ -108,9 +111,9 @@ impl Simulation<'_> {
 struct Integration<'a, W, O> {
     simulation: Simulation<'a>,
     epsilon_1: &'a [f64],
-    initial: &'a [RollState],
+    departures: &'a [Departure],
     span: &'a Span,
-    waves: &'a W,
+    waves: &'a mut W,
     observer: &'a mut O,
 }
 
@@ -128,10 +131,16 @@ impl<const CUBIC: bool, W: Waves, O: Observer> Kernel for WithDamping<CUBIC, Int
         }
         let equation = RollEquation::<LANES, CUBIC>::new(task.simulation.ship, epsilon_1);
         let rules = Rules::new(&task.simulation);
-        let mut block = Block::starting(rules, task.initial);
+        let mut block = Block::at_rest(rules);
+        let mut departures = task.departures;
         let mut space = [[0.0; COLUMNS]; 2 * BLOCK + 1];
         let mut step = task.span.steps.start;
         while step < task.span.steps.end {
+            while let Some((departure, later)) = departures.split_first().filter(|(first, _)| first.step == step) {
+                block.depart(departure.column, &departure.states);
+                task.waves.depart(step, departure.column, departure.run);
+                departures = later;
+            }
             let n = task.span.block_length(step);
             let eta = task.waves.rows(step, n, &mut space);
             block.advance(&equation, n, eta);

@@ -50,15 +50,13 @@ impl Kernel for Roll<'_> {
         let epsilon_1 = std::array::from_fn(|lane| ship.epsilon_1[lane / WIDTH]);
         let equation = black_box(RollEquation::<LANES, true>::new(&ship, epsilon_1));
         let (mut theta, mut theta_dot) = ([0.0; LANES], [0.0; LANES]);
-        for rows in self.0.windows(3).step_by(2) {
-            let mut forcing = [[0.0; LANES]; 3];
-            for (lanes, row) in forcing.iter_mut().zip(rows) {
-                for lane in 0..LANES {
-                    lanes[lane] = row[lane % WIDTH];
-                }
-            }
+        let forcing = |row: &[f64; WIDTH]| equation.forcing(std::array::from_fn(|lane| row[lane % WIDTH]));
+        let mut now = forcing(&self.0[0]);
+        for [middle, next] in self.0[1..].as_chunks().0 {
+            let (middle, next) = (forcing(middle), forcing(next));
             let rate = |x, v, eta| equation.acceleration(x, v, eta);
-            (theta, theta_dot) = rk4::step(rate, 15.0 / 64.0, theta, theta_dot, forcing);
+            (theta, theta_dot) = rk4::step(rate, 15.0 / 64.0, theta, theta_dot, [now, middle, next]);
+            now = next;
         }
         theta
     }
