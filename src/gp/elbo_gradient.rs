@@ -31,17 +31,15 @@ pub(super) fn gradient(elbo: &mut Elbo, out: &mut [f64]) {
 
 #[inline(always)]
 fn by_log_lambda(elbo: &Elbo, out: &mut [f64]) {
-    let n = elbo.y.len();
     out.fill(0.0);
-    for j in 0..n {
+    for j in 0..elbo.y.len() {
         let difference = elbo.beta_g[j] - elbo.b_hat[j];
-        let (k, sigma) = (&elbo.k_g.column(j)[..n], &elbo.sigma_g.column(j)[..n]);
-        for i in 0..n {
-            out[i] += difference * (k[i] + 0.5 * (sigma[i] * sigma[i]));
+        for ((out, k), sigma) in out.iter_mut().zip(elbo.k_g.column(j)).zip(elbo.sigma_g.column(j)) {
+            *out += difference * (k + 0.5 * (sigma * sigma));
         }
     }
-    for i in 0..n {
-        out[i] *= -elbo.parameters.lambda[i];
+    for (out, lambda) in out.iter_mut().zip(&elbo.parameters.lambda) {
+        *out *= -lambda;
     }
 }
 
@@ -51,9 +49,9 @@ fn by_kernel_f(elbo: &mut Elbo, out: &mut [f64]) {
     let weight = &mut elbo.scratch[0];
     for j in 0..n {
         let alpha = elbo.alpha_f[j];
-        let (b, column) = (elbo.b.column(j), weight.column_mut(j));
-        for i in 0..n {
-            column[i] = 0.5 * (alpha * elbo.alpha_f[i] - b[i]);
+        let column = weight.column_mut(j).iter_mut();
+        for ((w, b), other) in column.zip(elbo.b.column(j)).zip(&elbo.alpha_f) {
+            *w = 0.5 * (alpha * other - b);
         }
     }
     weighted_derivatives(&elbo.parameters.k_f, &elbo.squares, elbo.jitter, &elbo.k_f, weight, out);
@@ -67,8 +65,8 @@ fn by_kernel_g(elbo: &mut Elbo, out: &mut [f64]) {
     for j in 0..n {
         let ratio = (elbo.b_hat[j] + 0.5) / elbo.parameters.lambda[j] - 1.0;
         let (vtv, column) = (elbo.vtv.column(j), scaled.column_mut(j));
-        for i in 0..stride {
-            column[i] = ratio * vtv[i];
+        for (scaled, v) in column.iter_mut().zip(vtv) {
+            *scaled = ratio * v;
         }
     }
     scaled.values[n * stride..].fill(0.0);
@@ -76,11 +74,12 @@ fn by_kernel_g(elbo: &mut Elbo, out: &mut [f64]) {
     weight.mirror();
     for j in 0..n {
         let (beta, hat, s) = (elbo.beta_g[j], elbo.b_hat[j] - elbo.beta_g[j], elbo.s[j]);
-        let (vtv, column) = (elbo.vtv.column(j), weight.column_mut(j));
+        let (beta_i, hat_i, s_i) = (&elbo.beta_g[..n], &elbo.b_hat[..n], &elbo.s[..n]);
+        let (vtv, column) = (&elbo.vtv.column(j)[..n], &mut weight.column_mut(j)[..n]);
         for i in 0..n {
             // 2(b̂ - β)βᵀ in its symmetric form: ∂K_g is symmetric.
-            let outer = (beta + hat) * elbo.beta_g[i] + beta * (elbo.b_hat[i] - elbo.beta_g[i]);
-            column[i] = 0.5 * (outer - s * elbo.s[i] * (column[i] + vtv[i]));
+            let outer = (beta + hat) * beta_i[i] + beta * (hat_i[i] - beta_i[i]);
+            column[i] = 0.5 * (outer - s * s_i[i] * (column[i] + vtv[i]));
         }
     }
     weighted_derivatives(&elbo.parameters.k_g, &elbo.squares, elbo.jitter, &elbo.k_g, weight, out);

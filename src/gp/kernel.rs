@@ -69,21 +69,17 @@ pub fn squared_differences<const D: usize>(points: &[[f64; D]]) -> Vec<Square> {
 pub fn covariance(kernel: &Ard, squares: &[Square], jitter: f64, k: &mut Square) {
     let (n, stride) = (k.n, k.stride);
     for j in 0..n {
-        for i0 in (j / ROWS * ROWS..stride).step_by(ROWS) {
-            let at = i0 + j * stride;
-            let mut exponent = [0.0; ROWS];
-            for (d, square) in squares.iter().enumerate() {
-                let factor = kernel.factor(d);
-                let square = &square.values[at..at + ROWS];
-                for r in 0..ROWS {
-                    exponent[r] += factor * square[r];
-                }
+        let from = j * stride + j / ROWS * ROWS;
+        let column = &mut k.values[from..(j + 1) * stride];
+        column.fill(0.0);
+        for (d, square) in squares.iter().enumerate() {
+            let factor = kernel.factor(d);
+            for (exponent, s) in column.iter_mut().zip(&square.values[from..(j + 1) * stride]) {
+                *exponent += factor * s;
             }
-            let value = exp_lanes(exponent);
-            let target = &mut k.values[at..at + ROWS];
-            for r in 0..ROWS {
-                target[r] = kernel.variance * value[r];
-            }
+        }
+        for values in column.as_chunks_mut::<ROWS>().0 {
+            *values = exp_lanes(*values).map(|v| kernel.variance * v);
         }
         k.column_mut(j)[n..].fill(0.0);
     }

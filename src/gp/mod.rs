@@ -17,6 +17,7 @@
 pub mod elbo;
 pub mod elbo_gradient;
 pub mod fit;
+pub mod grid;
 pub mod kernel;
 pub mod standard;
 pub mod vhgp;

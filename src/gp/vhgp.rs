@@ -23,13 +23,13 @@ pub struct Vhgp<const D: usize> {
     pub parameters: Parameters,
     /// F at these parameters.
     pub elbo: f64,
-    alpha_f: Vec<f64>,
-    beta_g: Vec<f64>,
-    s: Vec<f64>,
+    pub(super) alpha_f: Vec<f64>,
+    pub(super) beta_g: Vec<f64>,
+    pub(super) s: Vec<f64>,
     /// The factor of K_f + R.
-    l: Square,
+    pub(super) l: Square,
     /// The factor of I + (s sᵀ) ∘ K_g.
-    c: Square,
+    pub(super) c: Square,
 }
 
 /// The posterior at one point, in units of y (f) and of log y² (g).
