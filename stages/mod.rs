@@ -16,6 +16,9 @@ pub mod random_sampling;
 pub mod response_moments;
 pub mod response_pool;
 pub mod roll_ensemble;
+pub mod sampling_floor;
+pub mod vhgp_best;
+pub mod vhgp_lhs;
 pub mod vhgp_seq;
 pub mod wave_synthesis;
 
@@ -38,7 +41,10 @@ pub const CONTENTS: &[&dyn Node] = &[
     node::<exceedance::Exceedance>(),
     node::<response_moments::ResponseMoments>(),
     node::<response_pool::ResponsePool>(),
+    node::<sampling_floor::SamplingFloor>(),
     node::<vhgp_seq::VhgpSeq>(),
+    node::<vhgp_best::VhgpBest>(),
+    node::<vhgp_lhs::VhgpLhs>(),
     node::<random_sampling::RandomSampling>(),
     node::<figures::fig1_wave_groups::Fig1WaveGroups>(),
     node::<figures::fig2_flowchart::Fig2Flowchart>(),

@@ -10,7 +10,6 @@ use crate::design::response_pool::ResponsePool as Pool;
 use crate::engine::arrow::{All, PiecesOf};
 use crate::engine::error::{Error, Result};
 use crate::engine::stage::{Here, Select, Stage};
-use crate::numerics::random;
 use crate::sea::spectrum::Sea;
 use crate::ship::sample::SampledResponses;
 use crate::stages::axes::SEA;
@@ -45,15 +44,13 @@ pub struct Input {
     grid: [u32; 2],
     /// Bandwidth of the kernel density p.
     bandwidth: [f64; 2],
-    /// Groups in the fixed Monte-Carlo set.
-    monte_carlo: u32,
 }
 
 impl Stage for ResponsePool {
     const NAME: &'static str = "response_pool";
     const PAPER: &'static str = "§4";
     const SELECTS: &'static [Select] = &[Select::Rows(SEA, "vhgp_seq.case")];
-    const SCHEMA: &'static str = "response-pool/1";
+    const SCHEMA: &'static str = "response-pool/2";
     type Params = Params;
     type Inputs = (All<Nic>,);
     type Output = Pool;
@@ -68,7 +65,7 @@ impl Stage for ResponsePool {
         ))
     }
 
-    fn run(p: &Params, (nic,): (PiecesOf<'_, SampledResponses>,), here: Here<'_>) -> Result<Pool> {
+    fn run(p: &Params, (nic,): (PiecesOf<'_, SampledResponses>,), _: Here<'_>) -> Result<Pool> {
         let (mut epsilon_1, mut points, mut r) = (0.0, Vec::new(), Vec::new());
         for piece in nic.iter() {
             let piece = piece?;
@@ -96,15 +93,11 @@ impl Stage for ResponsePool {
             size: p.vhgp_seq.grid,
         };
         let density = grid.density(&points, p.vhgp_seq.bandwidth);
-        let mut stream = here.stream(0);
-        let mut draw = |_| points[random::below(&mut stream, points.len())];
-        let monte_carlo = (0..p.vhgp_seq.monte_carlo).map(&mut draw).collect();
         Ok(Pool {
             epsilon_1,
             points,
             r,
             density,
-            monte_carlo,
         })
     }
 }

@@ -8,6 +8,7 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use crate::design::pool::{Pool, Used};
+use crate::design::quadrature::Quadrature;
 use crate::design::response_pool::ResponsePool as Responses;
 use crate::design::sequential::{Input, Realisation, sequential};
 use crate::design::settings::VhgpSeq as Settings;
@@ -46,11 +47,8 @@ impl Stage for VhgpSeq {
             .case
             .first()
             .ok_or_else(|| Error::stage("no row of vhgp_seq.case names this sea"))?;
-        let input = Input::new(
-            settings.candidates(),
-            responses.density.clone(),
-            responses.monte_carlo.clone(),
-        );
+        let quadrature = Quadrature::new(&responses.points, settings.quadrature);
+        let input = Input::new(settings.candidates(), responses.density.clone(), quadrature);
         let pool = Pool::new(&responses.points);
         let mut used = Used::default();
         let respond = |query: [f64; 2], stream: &mut _| {
@@ -58,7 +56,7 @@ impl Stage for VhgpSeq {
             Some((pool.point(index), responses.r[index as usize]))
         };
         Ok(sequential(
-            settings,
+            &settings.design(),
             &input,
             row.theta_t,
             respond,

@@ -2,16 +2,17 @@
 //!
 //! ```text
 //! Q(f, g) = 1 - Φ((θ_t - f)/e^{g/2})
-//! (Q2) P_est = mean over a fixed Monte-Carlo set of x of Q(f_m(x), g_m(x))
+//! (Q2) P_est = mean over all inputs x of Q(f_m(x), g_m(x)), by a fixed quadrature
 //! (R1) sd/mean of a share of n independent samples = √((1 - P)/(n P))
 //! ```
 //! The plug-in means leave f_v and g_v out, as the authors do. Tested in `tests/physics/design.rs`.
 
+use super::quadrature::Quadrature;
 use crate::gp::vhgp::Vhgp;
 use crate::numerics::elementary::exp;
 use crate::numerics::normal::distribution;
 use crate::numerics::random::below;
-use crate::numerics::sums::mean;
+use crate::numerics::sums::sum;
 use rand_chacha::ChaCha12Rng;
 
 /// Q(f, g), the probability that a response with mean f and noise variance e^g exceeds the threshold.
@@ -20,11 +21,12 @@ pub fn exceedance(f: f64, g: f64, threshold: f64) -> f64 {
     distribution((f - threshold) * exp(-0.5 * g))
 }
 
-/// (Q2) over the points `monte_carlo`.
-pub fn probability(model: &Vhgp<2>, monte_carlo: &[[f64; 2]], threshold: f64) -> f64 {
-    let mut q = Vec::with_capacity(monte_carlo.len());
-    model.means(monte_carlo, |f, g| q.push(exceedance(f, g, threshold)));
-    mean(&q)
+/// (Q2) over the nodes of a quadrature.
+pub fn probability(model: &Vhgp<2>, quadrature: &Quadrature, threshold: f64) -> f64 {
+    let means = model.means_on(&quadrature.axes);
+    let q = |i: &usize| quadrature.weight[*i] * exceedance(means.f[*i], means.g[*i], threshold);
+    let terms: Vec<f64> = quadrature.support.iter().map(q).collect();
+    sum(&terms)
 }
 
 /// The share of values above the threshold; 0 for no values.

@@ -16,8 +16,11 @@
 
 pub mod acquisition;
 pub mod estimate;
+pub mod floor;
 pub mod input_density;
+pub mod look_ahead;
 pub mod pool;
+pub mod quadrature;
 pub mod response_pool;
 pub mod sequential;
 pub mod settings;

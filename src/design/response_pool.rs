@@ -1,4 +1,4 @@
-//! What one case of the sequential design draws from: groups with known responses, their density, and a fixed sample.
+//! What one case of the sequential design draws from: groups with known responses, and their density.
 
 use serde::{Deserialize, Serialize};
 
@@ -13,8 +13,6 @@ pub struct ResponsePool {
     pub r: Vec<f64>,
     /// p at the candidates of the acquisition, in their order.
     pub density: Vec<f64>,
-    /// The fixed Monte-Carlo set of (Q2).
-    pub monte_carlo: Vec<[f64; 2]>,
 }
 
 /// One realisation of random sampling.

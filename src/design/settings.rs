@@ -4,6 +4,7 @@
 //! is a count of the engine and not read here. Tested in `tests/physics/design.rs`.
 
 use super::input_density::Grid;
+use super::sequential::{Design, Plan};
 use crate::gp::fit::{Fitting, KernelSpan, Span};
 use crate::numerics::domain::{count, non_negative, positive};
 use serde::{Deserialize, Serialize};
@@ -53,9 +54,9 @@ pub struct VhgpSeq {
     /// Initial samples lie where p exceeds this share of its maximum.
     #[serde(default = "least_density", deserialize_with = "non_negative")]
     pub least_density: f64,
-    /// Detected groups in the fixed Monte-Carlo set of (Q2).
-    #[serde(default = "monte_carlo", deserialize_with = "count")]
-    pub monte_carlo: u32,
+    /// Nodes of the quadrature of (Q2) along L/T_p and A/H_s.
+    #[serde(default = "quadrature")]
+    pub quadrature: [u32; 2],
     /// Largest response that enters the model, rad; above every theta_t.
     #[serde(default = "cap", deserialize_with = "positive")]
     pub cap: f64,
@@ -89,8 +90,10 @@ impl VhgpSeq {
                 return Err(format!("{key}: expected numbers > 0, found {pair:?}"));
             }
         }
-        if self.grid.contains(&0) {
-            return Err(format!("grid: expected whole numbers >= 1, found {:?}", self.grid));
+        for (key, size) in [("grid", self.grid), ("quadrature", self.quadrature)] {
+            if size.contains(&0) {
+                return Err(format!("{key}: expected whole numbers >= 1, found {size:?}"));
+            }
         }
         if let Some(case) = self.case.iter().find(|case| case.theta_t >= self.cap) {
             let (sea, theta_t, cap) = (&case.sea, case.theta_t, self.cap);
@@ -101,6 +104,33 @@ impl VhgpSeq {
         self.fit.check(2)
     }
 
+    /// How the paper's own method is laid out.
+    pub fn design(&self) -> Design {
+        self.laid_out(Plan::Doubt {
+            least_density: self.least_density,
+            tau: self.tau,
+        })
+    }
+
+    /// The same surrogate and number of samples on one Latin hypercube.
+    pub fn hypercube(&self) -> Design {
+        self.laid_out(Plan::Hypercube {
+            least_density: self.least_density,
+        })
+    }
+
+    fn laid_out(&self, plan: Plan) -> Design {
+        Design {
+            initial: self.initial,
+            batch: self.batch,
+            total: self.total,
+            cap: self.cap,
+            standardise: self.standardise,
+            fit: self.fit.clone(),
+            plan,
+        }
+    }
+
     /// The grid of candidates.
     pub fn candidates(&self) -> Grid {
         Grid {
@@ -108,6 +138,63 @@ impl VhgpSeq {
             upper: [self.domain[0][1], self.domain[1][1]],
             size: self.grid,
         }
+    }
+}
+
+/// The `[vhgp_best]` table: the method that looks ahead, in the coordinates (ln L/T_p, A/H_s).
+///
+/// What it shares with the paper's method stands in `[vhgp_seq]`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct VhgpBest {
+    /// First samples, drawn from the density of the groups.
+    #[serde(deserialize_with = "count")]
+    pub initial: u32,
+    /// Samples added between two fits.
+    #[serde(deserialize_with = "count")]
+    pub batch: u32,
+    /// Standard deviation of a sample about the place that tells most, in (ln L/T_p, A/H_s).
+    pub tau: [f64; 2],
+    /// Nodes of the quadrature along ln L/T_p and A/H_s.
+    pub quadrature: [u32; 2],
+    /// Kernel of the mean.
+    pub k_f: KernelSpan,
+    /// Kernel of the log noise variance.
+    pub k_g: KernelSpan,
+}
+
+impl VhgpBest {
+    /// How it is laid out; the rest as in the paper's method.
+    pub fn design(&self, shared: &VhgpSeq) -> Design {
+        let plan = Plan::LookAhead { tau: self.tau };
+        let mut design = shared.laid_out(plan);
+        (design.initial, design.batch) = (self.initial, self.batch);
+        (design.fit.k_f, design.fit.k_g) = (self.k_f.clone(), self.k_g.clone());
+        design
+    }
+
+    /// Rules that span several keys; `shared` has been checked.
+    ///
+    /// # Errors
+    /// A sentence naming the key, what was expected and what was found.
+    pub fn check(&self, shared: &VhgpSeq) -> Result<(), String> {
+        if shared.total < self.initial {
+            let (total, initial) = (shared.total, self.initial);
+            return Err(format!(
+                "initial: expected at most `vhgp_seq.total` = {total}, found {initial}"
+            ));
+        }
+        if !self.tau.iter().all(|v| v.is_finite() && *v >= 0.0) {
+            return Err(format!("tau: expected numbers >= 0, found {:?}", self.tau));
+        }
+        if self.quadrature.contains(&0) {
+            return Err(format!(
+                "quadrature: expected whole numbers >= 1, found {:?}",
+                self.quadrature
+            ));
+        }
+        let fit = self.design(shared).fit.check(2);
+        fit.map_err(|why| why.trim_start_matches("fit.").to_owned())
     }
 }
 
@@ -131,8 +218,8 @@ fn least_density() -> f64 {
     1e-3
 }
 
-fn monte_carlo() -> u32 {
-    10_000
+fn quadrature() -> [u32; 2] {
+    [64, 64]
 }
 
 fn cap() -> f64 {
@@ -158,7 +245,7 @@ fn fit() -> Fitting {
         log_lambda: [-4.0, 3.0],
         jitter: 1e-6,
         restarts: 1,
-        fresh_start_every: 5,
+        fresh_start_every: 10,
         iterations: 100,
         memory: 10,
         gradient_tolerance: 1e-2,

@@ -1,0 +1,216 @@
+//! The smallest standard deviation that any method of a kind can reach with n samples, the whole pool known.
+//!
+//! ```text
+//! importance sampling:  √((E√π)² - P²)/(P √n)           x drawn from p √π, π(x) = P(r > θ_t | x)
+//! stratified sampling:  E√(π(1 - π))/(P √n)             every x its own stratum
+//! smooth model:         √(cᵀ M(ξ)⁻¹ c/n)/P              minimised over the design ξ (c-optimal)
+//! ```
+//! The smooth model is r ~ N(f(x), e^{g(x)}) with unknown polynomials added to the f and g of the whole pool; M is the
+//! Fisher information of one sample, c the gradient of P_est by the polynomials' coefficients: the Cramer-Rao bound of
+//! an unbiased estimate. A prior that knows more than the degree may go below it, at the price of bias.
+//! Pukelsheim, *Optimal Design of Experiments* (2006), chapters 2 and 9. Tested in `tests/physics/floor.rs`.
+
+use super::estimate::exceedance;
+use super::quadrature::Quadrature;
+use crate::numerics::cholesky::Cholesky;
+use crate::numerics::elementary::{exp, ln};
+use crate::numerics::normal::density;
+use crate::numerics::square::Square;
+use crate::numerics::sums::{mean, sum};
+use serde::{Deserialize, Serialize};
+
+/// Steps towards the c-optimal design; each lowers the variance, the last ones by less than 1e-3 of it.
+const DESIGN_STEPS: u32 = 1000;
+/// Least share of a node in a design.
+const LEAST_SHARE: f64 = 1e-12;
+/// Least local variance of the responses.
+const LEAST_VARIANCE: f64 = 1e-6;
+
+/// Standard deviations relative to P of the estimate from one sample; divide by √n.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Floor {
+    /// P, the share of exceedances in the pool.
+    pub probability: f64,
+    /// Independent groups, (R1).
+    pub random: f64,
+    /// Optimal importance sampling.
+    pub importance: f64,
+    /// Optimal stratified sampling.
+    pub stratified: f64,
+    /// The smooth model's Cramer-Rao bound.
+    pub model: f64,
+    /// P by the smooth model over the whole pool: what the normal law itself is wrong by.
+    pub model_probability: f64,
+}
+
+/// What is known of the pool at every node of a quadrature, by Gaussian kernels.
+struct Local {
+    /// π, the share of exceedances.
+    share: Vec<f64>,
+    /// Mean of the responses.
+    f: Vec<f64>,
+    /// Log variance of the responses.
+    g: Vec<f64>,
+}
+
+/// The floor for responses `r` (N) of inputs `x` (N).
+///
+/// `cap` is the largest response a model sees, `bandwidth` that of the kernels at the nodes, `degree` that of the
+/// polynomials. `None` if nothing exceeds the threshold or a matrix is singular.
+pub fn floor(
+    (x, r): (&[[f64; 2]], &[f64]),
+    (threshold, cap): (f64, f64),
+    quadrature: &Quadrature,
+    bandwidth: [f64; 2],
+    degree: u32,
+) -> Option<Floor> {
+    let above: Vec<f64> = r.iter().map(|r| f64::from(*r > threshold)).collect();
+    let probability = mean(&above);
+    if probability <= 0.0 {
+        return None;
+    }
+    let capped: Vec<f64> = r.iter().map(|r| if *r < cap { *r } else { cap }).collect();
+    let local = Local::new(x, &above, &capped, quadrature, bandwidth);
+    let over = |h: &dyn Fn(usize) -> f64| -> f64 {
+        let terms: Vec<f64> = quadrature
+            .support
+            .iter()
+            .map(|i| quadrature.weight[*i] * h(*i))
+            .collect();
+        sum(&terms)
+    };
+    let root = over(&|i| local.share[i].sqrt());
+    let variance = least_variance(&local, quadrature, threshold, degree)?;
+    Some(Floor {
+        probability,
+        random: ((1.0 - probability) / probability).sqrt(),
+        importance: (root * root - probability * probability).sqrt() / probability,
+        stratified: over(&|i| (local.share[i] * (1.0 - local.share[i])).sqrt()) / probability,
+        model: variance.sqrt() / probability,
+        model_probability: over(&|i| exceedance(local.f[i], local.g[i], threshold)),
+    })
+}
+
+impl Local {
+    fn new(x: &[[f64; 2]], above: &[f64], r: &[f64], quadrature: &Quadrature, bandwidth: [f64; 2]) -> Self {
+        let kernels = [
+            (&quadrature.axes.first, bandwidth[0]),
+            (&quadrature.axes.second, bandwidth[1]),
+        ]
+        .map(|(nodes, bandwidth)| -> Vec<f64> {
+            let pairs = nodes
+                .iter()
+                .flat_map(|a| nodes.iter().map(move |b| (a - b) / bandwidth));
+            pairs.map(density).collect()
+        });
+        let size = [quadrature.axes.first.len(), quadrature.axes.second.len()];
+        let smoothed = |value: &[f64]| smooth(&quadrature.shared_out(x, value), size, &kernels);
+        let squares: Vec<f64> = r.iter().map(|r| r * r).collect();
+        let mass = smooth(&quadrature.weight, size, &kernels);
+        let (share, first, second) = (smoothed(above), smoothed(r), smoothed(&squares));
+        let average = |moment: &[f64], i: usize| if mass[i] > 0.0 { moment[i] / mass[i] } else { 0.0 };
+        let nodes = 0..mass.len();
+        let f: Vec<f64> = nodes.clone().map(|i| average(&first, i)).collect();
+        let g = |i: usize| ln(at_least(average(&second, i) - f[i] * f[i], LEAST_VARIANCE));
+        Self {
+            share: nodes.clone().map(|i| at_least(average(&share, i), 0.0)).collect(),
+            g: nodes.map(g).collect(),
+            f,
+        }
+    }
+}
+
+fn at_least(x: f64, least: f64) -> f64 {
+    if x > least { x } else { least }
+}
+
+/// Both coordinates' kernels (A, A), (B, B) applied to values on the nodes (B, A).
+fn smooth(values: &[f64], [width, height]: [usize; 2], [first, second]: &[Vec<f64>; 2]) -> Vec<f64> {
+    let mut half = Vec::with_capacity(values.len());
+    for row in values.chunks_exact(width) {
+        half.extend(first.chunks_exact(width).map(|kernel| dot(row, kernel)));
+    }
+    let mut out = vec![0.0; values.len()];
+    for (out, kernel) in out.chunks_exact_mut(width).zip(second.chunks_exact(height)) {
+        for (row, k) in half.chunks_exact(width).zip(kernel) {
+            for (o, v) in out.iter_mut().zip(row) {
+                *o += k * v;
+            }
+        }
+    }
+    out
+}
+
+/// All monomials up to a degree of two coordinates.
+fn monomials([x, y]: [f64; 2], degree: u32) -> Vec<f64> {
+    let mut basis = Vec::new();
+    let mut left = 1.0;
+    for i in 0..=degree {
+        let mut term = left;
+        for _ in i..=degree {
+            basis.push(term);
+            term *= y;
+        }
+        left *= x;
+    }
+    basis
+}
+
+/// The least variance cᵀ M⁻¹ c of one sample, over designs on the nodes.
+fn least_variance(local: &Local, quadrature: &Quadrature, threshold: f64, degree: u32) -> Option<f64> {
+    let middle = |nodes: &[f64]| (nodes[0] + nodes[nodes.len() - 1]) / 2.0;
+    let half = |nodes: &[f64]| at_least((nodes[nodes.len() - 1] - nodes[0]) / 2.0, f64::MIN_POSITIVE);
+    let sides = [&quadrature.axes.first, &quadrature.axes.second].map(|nodes| (middle(nodes), half(nodes)));
+    let mut nodes = Vec::with_capacity(quadrature.support.len());
+    let (mut c_f, mut c_g) = (Vec::new(), Vec::new());
+    for &i in &quadrature.support {
+        let x = quadrature.axes.node(i);
+        let basis = monomials([0, 1].map(|d| (x[d] - sides[d].0) / sides[d].1), degree);
+        let inverse = exp(-0.5 * local.g[i]);
+        let u = (local.f[i] - threshold) * inverse;
+        let slope = quadrature.weight[i] * density(u);
+        c_f.resize(basis.len(), 0.0);
+        c_g.resize(basis.len(), 0.0);
+        for k in 0..basis.len() {
+            c_f[k] += slope * inverse * basis[k];
+            c_g[k] -= 0.5 * u * slope * basis[k];
+        }
+        nodes.push((basis, inverse * inverse));
+    }
+    let mut share = vec![1.0 / nodes.len() as f64; nodes.len()];
+    let mut variance = f64::INFINITY;
+    for _ in 0..DESIGN_STEPS {
+        let (mut m_f, mut m_g) = (Square::zeros(c_f.len()), Square::zeros(c_g.len()));
+        for ((basis, precision), w) in nodes.iter().zip(&share) {
+            add_outer(&mut m_f, basis, w * precision);
+            add_outer(&mut m_g, basis, w * 0.5);
+        }
+        let (mut h_f, mut h_g) = (c_f.clone(), c_g.clone());
+        Cholesky::new(&m_f)?.solve(&mut h_f);
+        Cholesky::new(&m_g)?.solve(&mut h_g);
+        variance = dot(&c_f, &h_f) + dot(&c_g, &h_g);
+        // The multiplicative step: every node by the root of what it tells. No share ends at 0, so M stays regular.
+        for ((basis, precision), w) in nodes.iter().zip(&mut share) {
+            let (f, g) = (dot(basis, &h_f), dot(basis, &h_g));
+            *w *= (f * f * precision + 0.5 * g * g).sqrt();
+        }
+        let total = sum(&share);
+        for w in &mut share {
+            *w = at_least(*w / total, LEAST_SHARE);
+        }
+    }
+    (variance > 0.0 && variance.is_finite()).then_some(variance)
+}
+
+/// a += factor b bᵀ, the lower triangle.
+fn add_outer(a: &mut Square, b: &[f64], factor: f64) {
+    for (j, right) in b.iter().enumerate() {
+        for (i, left) in b.iter().enumerate().skip(j) {
+            a.values[i + j * a.stride] += factor * left * right;
+        }
+    }
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).fold(0.0, |total, (a, b)| total + a * b)
+}
