@@ -1,12 +1,12 @@
-//! Figure 5: how the estimate converges with the number of samples, VHGP-Seq against random sampling.
+//! Figure 5: how the estimate converges with the number of samples, by four methods, and what none can go below.
 //!
 //! | paper | code | unit | meaning |
 //! |---|---|---|---|
 //! | P_est | `mean`, `std` | 1 | over the realisations |
 //! | P_true | `p_true` | 1 | from the long record |
 //!
-//! The shade is the paper's one-sided standard deviation: from the mean to the mean plus one standard deviation, for both
-//! methods alike. Tested in `tests/plots/figures.rs`.
+//! The shade is the paper's one-sided standard deviation: from the mean to the mean plus one standard deviation; for the
+//! two methods that the paper does not have a dashed line in its place, for the floor a dotted one. Tested in `tests/plots/figures.rs`.
 
 use plotters::style::RGBColor;
 
@@ -48,6 +48,12 @@ pub struct Convergence {
     pub sequential: Estimates,
     /// Random sampling.
     pub random: Estimates,
+    /// The design that looks ahead.
+    pub best: Estimates,
+    /// The surrogate on a Latin hypercube.
+    pub lhs: Estimates,
+    /// The least standard deviation from one sample, relative to the truth: divide by √n.
+    pub floor: Option<f64>,
 }
 
 /// Opacity of the shades.
@@ -58,6 +64,36 @@ const TRUTH: Stroke = Stroke {
     width: 1.4,
     dash: &[5.0, 3.0],
 };
+
+/// The dashes of a mean plus standard deviation that has no shade.
+const UPPER: Stroke = Stroke {
+    colour: style::GREEN,
+    width: 1.0,
+    dash: &[6.0, 3.0],
+};
+/// The dots of the floor.
+const FLOOR: Stroke = Stroke {
+    colour: style::BLACK,
+    width: 1.2,
+    dash: &[1.5, 3.0],
+};
+
+impl Convergence {
+    /// (n, standard deviation) of the floor at the sequential design's numbers of samples.
+    fn floor_deviations(&self) -> Vec<(f64, f64)> {
+        let Some((p_true, floor)) = self.p_true.zip(self.floor) else {
+            return Vec::new();
+        };
+        let sizes = self.sequential.n_samples.iter().filter(|n| **n > 0.0);
+        sizes.map(|n| (*n, p_true * floor / n.sqrt())).collect()
+    }
+
+    /// The truth plus the floor.
+    fn floor_line(&self) -> Vec<(f64, f64)> {
+        let above = self.floor_deviations().into_iter();
+        above.map(|(n, std)| (n, self.p_true.unwrap_or(0.0) + std)).collect()
+    }
+}
 
 impl Estimates {
     /// The points (n, mean).
@@ -87,16 +123,18 @@ impl Estimates {
 
 /// Draws Figure 5.
 pub fn draw(figure: &Convergence) -> Result<String, Error> {
-    figure.sequential.check()?;
-    figure.random.check()?;
+    for estimates in [&figure.sequential, &figure.random, &figure.best, &figure.lhs] {
+        estimates.check()?;
+    }
     let mut sheet = Sheet::new(700.0, 420.0);
     let both = [(&figure.random, style::ORANGE), (&figure.sequential, style::BLUE)];
+    let others = [(&figure.lhs, style::GREY), (&figure.best, style::GREEN)];
     let panel = Panel {
         left: 70.0,
         top: 34.0,
         width: 590.0,
         height: 330.0,
-        x: samples_axis(&both),
+        x: samples_axis(&[both, others].concat()),
         y: estimate_axis(figure),
     };
     panel.frame(&mut sheet)?;
@@ -112,7 +150,12 @@ pub fn draw(figure: &Convergence) -> Result<String, Error> {
         let ends = [(unlog(&panel, 0.0), p_true), (unlog(&panel, 1.0), p_true)];
         panel.line(&mut sheet, &ends, TRUTH)?;
     }
-    for (estimates, colour) in both {
+    for (estimates, colour) in others {
+        let tops: Vec<(f64, f64)> = estimates.shade().iter().map(|(n, _, upper)| (*n, *upper)).collect();
+        panel.line(&mut sheet, &tops, Stroke { colour, ..UPPER })?;
+    }
+    panel.line(&mut sheet, &figure.floor_line(), FLOOR)?;
+    for (estimates, colour) in [others, both].concat() {
         panel.line(
             &mut sheet,
             &estimates.means(),
@@ -128,13 +171,15 @@ pub fn draw(figure: &Convergence) -> Result<String, Error> {
     }
     column(
         &mut sheet,
-        (panel.left + panel.width - 250.0, panel.top + 10.0),
+        (panel.left + panel.width - 270.0, panel.top + 10.0),
         &legend(),
     )?;
     let what = format!(
         "Ship: {}. Sea: {}, threshold {} rad, epsilon_1 {}. Estimated group exceeding probability against the number of \
-         samples (logarithmic axis): VHGP-Seq blue, random sampling orange; line: mean over {} realisations; shade: the \
-         one-sided standard deviation, from the mean to the mean plus one standard deviation. Black dashed: truth.",
+         samples (logarithmic axis): VHGP-Seq blue, random sampling orange, look-ahead design green, Latin hypercube with \
+         the same surrogate grey; line: mean over {} realisations; shade or dashed line: the one-sided standard \
+         deviation, from the mean to the mean plus one standard deviation. Black dashed: truth; black dotted: the least \
+         standard deviation above it.",
         figure.ship, figure.spectrum, figure.theta_t, figure.epsilon_1, figure.realisations
     );
     Ok(sheet.finish("Figure 5: convergence of VHGP-Seq and of random sampling", &what))
@@ -165,7 +210,8 @@ fn samples_axis(both: &[(&Estimates, RGBColor)]) -> Axis {
 
 /// Estimates from zero over the largest mean plus standard deviation, but not over five times the truth.
 fn estimate_axis(figure: &Convergence) -> Axis {
-    let shades = figure.sequential.shade().into_iter().chain(figure.random.shade());
+    let all = [&figure.sequential, &figure.random, &figure.best, &figure.lhs];
+    let shades = all.into_iter().flat_map(Estimates::shade);
     let bound = figure.p_true.map_or(f64::INFINITY, |p_true| 5.0 * p_true);
     let tops = shades.map(|(_, _, upper)| if bound > 0.0 && upper > bound { bound } else { upper });
     Axis::from_zero(tops.chain(figure.p_true), 6, "*P*_{est}(*r* > *θ*_{t})")
@@ -190,6 +236,12 @@ fn legend() -> Vec<Entry> {
         shade(style::BLUE, "VHGP-Seq, mean + std. deviation"),
         line(style::ORANGE, "random sampling, mean"),
         shade(style::ORANGE, "random, mean + std. deviation"),
+        line(style::GREEN, "look-ahead (dashed: + std. deviation)"),
+        line(style::GREY, "Latin hypercube (dashed: + std. dev.)"),
+        Entry {
+            sample: Sample::Line(FLOOR),
+            name: "*P*_{true} + least std. deviation".to_owned(),
+        },
         Entry {
             sample: Sample::Line(TRUTH),
             name: "*P*_{true}".to_owned(),
@@ -200,11 +252,20 @@ fn legend() -> Vec<Entry> {
 /// The data of Figure 5, columns as in the contract of published files.
 pub fn csv(figure: &Convergence) -> String {
     let mut rows = Vec::new();
-    for (method, estimates) in [("sequential", &figure.sequential), ("random", &figure.random)] {
+    let methods = [
+        ("sequential", &figure.sequential),
+        ("random", &figure.random),
+        ("best", &figure.best),
+        ("lhs", &figure.lhs),
+    ];
+    for (method, estimates) in methods {
         for (i, n) in estimates.n_samples.iter().enumerate() {
             let (mean, std) = (estimates.mean.get(i).copied(), estimates.std.get(i).copied());
             rows.push([method.into(), (*n).into(), mean.into(), std.into()]);
         }
+    }
+    for (n, std) in figure.floor_deviations() {
+        rows.push(["floor".into(), n.into(), figure.p_true.into(), Some(std).into()]);
     }
     csv::write(["method", "n_samples", "mean", "std"], rows)
 }

@@ -1,4 +1,5 @@
-//! Table 1: VHGP-Seq against random sampling, ours beside the paper's; as SVG, Markdown, LaTeX and CSV.
+//! Table 1: VHGP-Seq against random sampling, ours beside the paper's and beside two more methods; as SVG, Markdown,
+//! LaTeX and CSV.
 //!
 //! | paper | code | unit | meaning |
 //! |---|---|---|---|
@@ -23,6 +24,15 @@ pub struct Estimate {
     pub mean: f64,
     /// Population standard deviation, in units of the mean.
     pub std: f64,
+}
+
+/// What no method goes below: standard deviations from one sample relative to P_true; divide by √n.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Floor {
+    /// Optimal importance sampling.
+    pub importance: f64,
+    /// A smooth model of mean and variance (Cramer-Rao).
+    pub model: f64,
 }
 
 /// A row of the paper's own Table 1.
@@ -55,6 +65,12 @@ pub struct Row {
     pub sequential: Option<Estimate>,
     /// Random sampling.
     pub random: Option<Estimate>,
+    /// The design that looks ahead.
+    pub best: Option<Estimate>,
+    /// The surrogate on a Latin hypercube.
+    pub lhs: Option<Estimate>,
+    /// What no method goes below.
+    pub floor: Option<Floor>,
     /// The paper's row for the sea, if it has one at this threshold.
     pub paper: Option<Printed>,
 }
@@ -107,8 +123,8 @@ fn ours(known: Option<Estimate>) -> String {
     })
 }
 
-/// The eight cells of a row as they stand in every form.
-fn cells(row: &Row) -> [String; 8] {
+/// The ten cells of a row as they stand in every form.
+fn cells(row: &Row) -> [String; 10] {
     let paper = |cell: fn(&Printed) -> String| row.paper.as_ref().map_or(NOTHING.to_owned(), cell);
     [
         row.spectrum.clone(),
@@ -117,6 +133,8 @@ fn cells(row: &Row) -> [String; 8] {
         paper(|printed| probability(Some(printed.p_true))),
         ours(row.sequential),
         paper(|printed| estimate(printed.sequential_mean, printed.sequential_std_percent)),
+        ours(row.best),
+        ours(row.lhs),
         ours(row.random),
         paper(|printed| estimate(printed.random_mean, printed.random_std_percent)),
     ]
@@ -132,7 +150,9 @@ fn caption(table: &Table) -> String {
 }
 
 /// Right ends of the columns but the first, px; the first two are set from their left and middle.
-const ENDS: [f64; 8] = [30.0, 112.0, 270.0, 340.0, 486.0, 604.0, 756.0, 880.0];
+const ENDS: [f64; 10] = [30.0, 112.0, 270.0, 340.0, 486.0, 604.0, 736.0, 866.0, 1014.0, 1138.0];
+/// Right end of the rules, px.
+const EDGE: f64 = 1148.0;
 /// Distance of rows, px.
 const LEADING: f64 = 25.0;
 
@@ -140,12 +160,12 @@ const LEADING: f64 = 25.0;
 pub fn svg(table: &Table) -> Result<String, Error> {
     let head = 84.0;
     let foot = head + LEADING * table.rows.len() as f64;
-    let mut sheet = Sheet::new(910.0, foot + 54.0);
+    let mut sheet = Sheet::new(EDGE + 20.0, foot + 54.0);
     heads(&mut sheet)?;
     for (i, row) in table.rows.iter().enumerate() {
         let y = head + LEADING * (i as f64 + 0.66);
         for (j, text) in cells(row).iter().enumerate() {
-            let colour = if matches!(j, 3 | 5 | 7) {
+            let colour = if matches!(j, 3 | 5 | 9) {
                 style::GREY
             } else {
                 style::BLACK
@@ -165,7 +185,7 @@ pub fn svg(table: &Table) -> Result<String, Error> {
             sheet.text(ENDS[j], y, look, &text);
         }
     }
-    rule(&mut sheet, &[((20.0, foot + 4.0), 890.0)], 1.4)?;
+    rule(&mut sheet, &[((20.0, foot + 4.0), EDGE)], 1.4)?;
     let look = Type {
         size: style::TICK_SIZE,
         colour: style::GREY,
@@ -186,7 +206,8 @@ pub fn svg(table: &Table) -> Result<String, Error> {
         "Grey: the paper's values. The rows share their random phases: they are correlated.",
     );
     let what = format!(
-        "{} Columns: sea, threshold in rad, and ours beside the paper's for the truth, VHGP-Seq and random sampling.",
+        "{} Columns: sea, threshold in rad, and ours beside the paper's for the truth, VHGP-Seq and \
+         random sampling; ours for the look-ahead design and the Latin hypercube.",
         caption(table)
     );
     Ok(sheet.finish("Table 1: VHGP-Seq against random sampling", &what))
@@ -199,7 +220,13 @@ fn anchor(column: usize) -> Anchor {
 
 /// The two lines of heads and the rules around them.
 fn heads(sheet: &mut Sheet) -> Result<(), Error> {
-    let groups = [(2, "*P*_{true}"), (4, "VHGP-Seq"), (6, "random sampling")];
+    let groups = [
+        (2, 3, "*P*_{true}"),
+        (4, 5, "VHGP-Seq"),
+        (6, 6, "look-ahead"),
+        (7, 7, "hypercube"),
+        (8, 9, "random sampling"),
+    ];
     let bold = Type {
         size: style::TITLE_SIZE,
         bold: true,
@@ -207,8 +234,8 @@ fn heads(sheet: &mut Sheet) -> Result<(), Error> {
         ..PLAIN
     };
     let mut rules = Vec::new();
-    for (column, name) in groups {
-        let (left, right) = (ENDS[column - 1] + 34.0, ENDS[column + 1]);
+    for (first, last, name) in groups {
+        let (left, right) = (ENDS[first - 1] + 34.0, ENDS[last]);
         sheet.text(left + (right - left) / 2.0, 36.0, bold, name);
         rules.push(((left, 47.0), right));
     }
@@ -219,6 +246,8 @@ fn heads(sheet: &mut Sheet) -> Result<(), Error> {
         "paper",
         "ours",
         "paper",
+        "ours",
+        "ours",
         "ours",
         "paper",
     ];
@@ -231,8 +260,8 @@ fn heads(sheet: &mut Sheet) -> Result<(), Error> {
         sheet.text(ENDS[j], 66.0, look, name);
     }
     rule(sheet, &rules, 0.7)?;
-    rule(sheet, &[((20.0, 14.0), 890.0)], 1.4)?;
-    rule(sheet, &[((20.0, 78.0), 890.0)], 0.9)
+    rule(sheet, &[((20.0, 14.0), EDGE)], 1.4)?;
+    rule(sheet, &[((20.0, 78.0), EDGE)], 0.9)
 }
 
 /// Horizontal rules from a point to a right end.
@@ -256,23 +285,66 @@ fn rule(sheet: &mut Sheet, rules: &[(Point, f64)], width: f64) -> Result<(), Err
 /// Writes Table 1 as Markdown.
 pub fn markdown(table: &Table) -> String {
     let mut text = String::from(
-        "| sea | θ_t (rad) | P_true | paper | VHGP-Seq: mean (std) | paper | random: mean (std) | paper |\n\
-         |---|---|---|---|---|---|---|---|\n",
+        "| sea | θ_t (rad) | P_true | paper | VHGP-Seq: mean (std) | paper | look-ahead | hypercube | random: mean (std) | paper |\n\
+         |---|---|---|---|---|---|---|---|---|---|\n",
     );
     for row in &table.rows {
         let line = cells(row).map(|cell| cell.replace('|', "\\|")).join(" | ");
         let _ = writeln!(text, "| {line} |");
     }
-    format!("{text}\n{}\n", caption(table))
+    format!("{text}\n{}\n\n{}", caption(table), errors(table))
+}
+
+/// Bias, standard deviation and root mean square error in % of P_true, beside what no method goes below.
+fn errors(table: &Table) -> String {
+    let mut text = String::from(
+        "| sea | VHGP-Seq: bias, std, rmse | look-ahead | hypercube | floor: importance sampling | floor: smooth model | samples for the paper's std |\n\
+         |---|---|---|---|---|---|---|\n",
+    );
+    let root = (table.samples as f64).sqrt();
+    for row in &table.rows {
+        let error = |known: Option<Estimate>| match known.zip(row.p_true) {
+            Some((Estimate { mean, std }, p)) if p > 0.0 => {
+                let (bias, std) = (100.0 * (mean / p - 1.0), 100.0 * std / p);
+                format!("{bias:+.1}, {std:.1}, {:.1}", (bias * bias + std * std).sqrt())
+            }
+            _ => NOTHING.to_owned(),
+        };
+        let floor = |of: fn(&Floor) -> f64| {
+            row.floor
+                .as_ref()
+                .map_or(NOTHING.to_owned(), |floor| format!("{:.1}", 100.0 * of(floor) / root))
+        };
+        let needed = row.floor.zip(row.paper).map(|(floor, paper)| {
+            let ratio = 100.0 * floor.model / paper.sequential_std_percent;
+            format!("{:.0}", ratio * ratio)
+        });
+        let line = [
+            row.spectrum.replace('|', "\\|"),
+            error(row.sequential),
+            error(row.best),
+            error(row.lhs),
+            floor(|floor| floor.importance),
+            floor(|floor| floor.model),
+            needed.unwrap_or(NOTHING.to_owned()),
+        ];
+        let _ = writeln!(text, "| {} |", line.join(" | "));
+    }
+    format!(
+        "{text}\nIn % of P_true. Floors for {} samples that see (L, A) alone: optimal importance sampling, and the \
+         Cramer-Rao bound of a smooth mean and variance; last column: samples at which that bound is the paper's std.\n",
+        table.samples
+    )
 }
 
 /// Writes Table 1 as LaTeX (`booktabs`).
 pub fn latex(table: &Table) -> String {
     let mut text = String::from(
-        "\\begin{tabular}{lccccccc}\n\\toprule\n & & \\multicolumn{2}{c}{$P_{\\mathrm{true}}$} & \
-         \\multicolumn{2}{c}{VHGP-Seq: mean (std)} & \\multicolumn{2}{c}{random: mean (std)} \\\\\n\
-         \\cmidrule(lr){3-4}\\cmidrule(lr){5-6}\\cmidrule(lr){7-8}\n\
-         sea & $\\theta_t$ (rad) & ours & paper & ours & paper & ours & paper \\\\\n\\midrule\n",
+        "\\begin{tabular}{lccccccccc}\n\\toprule\n & & \\multicolumn{2}{c}{$P_{\\mathrm{true}}$} & \
+         \\multicolumn{2}{c}{VHGP-Seq: mean (std)} & look-ahead & hypercube & \
+         \\multicolumn{2}{c}{random: mean (std)} \\\\\n\
+         \\cmidrule(lr){3-4}\\cmidrule(lr){5-6}\\cmidrule(lr){7-7}\\cmidrule(lr){8-8}\\cmidrule(lr){9-10}\n\
+         sea & $\\theta_t$ (rad) & ours & paper & ours & paper & ours & ours & ours & paper \\\\\n\\midrule\n",
     );
     for row in &table.rows {
         let line = cells(row).map(|cell| tex(&cell)).join(" & ");
@@ -311,6 +383,10 @@ pub fn csv(table: &Table) -> String {
         "paper_sequential_std_percent",
         "paper_random_mean",
         "paper_random_std_percent",
+        "best_mean",
+        "best_std",
+        "lhs_mean",
+        "lhs_std",
     ];
     csv::write(
         header,
@@ -329,6 +405,10 @@ pub fn csv(table: &Table) -> String {
                 row.paper.map(|printed| printed.sequential_std_percent).into(),
                 row.paper.map(|printed| printed.random_mean).into(),
                 row.paper.map(|printed| printed.random_std_percent).into(),
+                row.best.map(|known| known.mean).into(),
+                row.best.map(|known| known.std).into(),
+                row.lhs.map(|known| known.mean).into(),
+                row.lhs.map(|known| known.std).into(),
             ]
         }),
     )

@@ -1,9 +1,10 @@
-//! Figure 5: the estimate against the number of samples, VHGP-Seq beside random sampling.
+//! Figure 5: the estimate against the number of samples, VHGP-Seq beside three other methods and their floor.
 
 use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
+use crate::design::floor::Floor;
 use crate::design::response_pool::RandomEstimates;
 use crate::design::sequential::Realisation;
 use crate::design::settings::Case;
@@ -17,6 +18,9 @@ use crate::stages::axes::SEA;
 use crate::stages::exceedance::Exceedance;
 use crate::stages::figures::scenes::refused;
 use crate::stages::random_sampling::RandomSampling;
+use crate::stages::sampling_floor::SamplingFloor;
+use crate::stages::vhgp_best::VhgpBest;
+use crate::stages::vhgp_lhs::VhgpLhs;
 use crate::stages::vhgp_seq::VhgpSeq;
 
 /// Figure 5.
@@ -49,14 +53,24 @@ impl Stage for Fig5VhgpSeq {
     const SELECTS: &'static [Select] = &[Select::At(SEA, "fig5_vhgp_seq.sea")];
     const SCHEMA: &'static str = Published::SCHEMA;
     type Params = Params;
-    type Inputs = (All<VhgpSeq>, All<RandomSampling>, One<Exceedance>);
+    type Inputs = (
+        All<VhgpSeq>,
+        All<VhgpBest>,
+        All<VhgpLhs>,
+        All<RandomSampling>,
+        One<SamplingFloor>,
+        One<Exceedance>,
+    );
     type Output = Published;
 
     fn run(
         p: &Params,
-        (sequential, random, truth): (
+        (sequential, best, lhs, random, floor, truth): (
+            PiecesOf<'_, Realisation>,
+            PiecesOf<'_, Realisation>,
             PiecesOf<'_, Realisation>,
             PiecesOf<'_, RandomEstimates>,
+            Arc<Option<Floor>>,
             Arc<Probabilities>,
         ),
         _: Here<'_>,
@@ -66,11 +80,6 @@ impl Stage for Fig5VhgpSeq {
             .map(|row| row.theta_t)
             .ok_or_else(|| Error::stage("no row of vhgp_seq.case names this sea"))?;
         let realisations = sequential.len() as u64;
-        let lines = |(n, estimate): &(Vec<u32>, Vec<f64>)| (n.clone(), estimate.clone());
-        let sequential: Vec<(Vec<u32>, Vec<f64>)> = sequential
-            .iter()
-            .map(|piece| piece.map(|r| lines(&(r.n_samples.clone(), r.estimate.clone()))))
-            .collect::<Result<_>>()?;
         let random: Vec<(Vec<u32>, Vec<f64>)> = random
             .iter()
             .map(|piece| piece.map(|r| (r.n_samples.clone(), r.estimate.clone())))
@@ -85,12 +94,24 @@ impl Stage for Fig5VhgpSeq {
             epsilon_1: counts.map_or(0.0, |counts| counts.epsilon_1),
             realisations,
             p_true: known.map(|(_, p_true, _)| p_true),
-            sequential: estimates(&sequential),
+            sequential: of(&sequential)?,
             random: estimates(&random),
+            best: of(&best)?,
+            lhs: of(&lhs)?,
+            floor: (*floor).map(|floor| floor.model),
         };
         let svg = draw(&figure).map_err(refused)?;
         Ok(Published::new(Self::NAME, [("svg", svg), ("csv", csv(&figure))]))
     }
+}
+
+/// The same of a design's realisations.
+fn of(realisations: &PiecesOf<'_, Realisation>) -> Result<Estimates> {
+    let lines: Vec<(Vec<u32>, Vec<f64>)> = realisations
+        .iter()
+        .map(|piece| piece.map(|r| (r.n_samples.clone(), r.estimate.clone())))
+        .collect::<Result<_>>()?;
+    Ok(estimates(&lines))
 }
 
 /// Mean and population standard deviation over the realisations at every number of samples that all of them reached.

@@ -1,7 +1,8 @@
-//! Table 1: P_true, VHGP-Seq and random sampling, ours beside the paper's.
+//! Table 1: P_true, VHGP-Seq and random sampling, ours beside the paper's; the look-ahead design and a hypercube.
 
 use serde::{Deserialize, Serialize};
 
+use crate::design::floor::Floor;
 use crate::design::response_pool::RandomEstimates;
 use crate::design::sequential::Realisation;
 use crate::design::settings::Case;
@@ -10,12 +11,15 @@ use crate::engine::case::Axis;
 use crate::engine::error::Result;
 use crate::engine::stage::{Here, Published, Stage};
 use crate::numerics::sums::{mean, standard_deviation};
-use crate::plot::table::{Estimate, Printed, Row, Table, csv, latex, markdown, svg};
+use crate::plot::table::{self, Estimate, Printed, Row, Table, csv, latex, markdown, svg};
 use crate::ship::exceedance::Probabilities;
 use crate::stages::axes::SEA;
 use crate::stages::exceedance::Exceedance;
 use crate::stages::figures::scenes::refused;
 use crate::stages::random_sampling::RandomSampling;
+use crate::stages::sampling_floor::SamplingFloor;
+use crate::stages::vhgp_best::VhgpBest;
+use crate::stages::vhgp_lhs::VhgpLhs;
 use crate::stages::vhgp_seq::VhgpSeq;
 
 /// Table 1.
@@ -68,15 +72,25 @@ impl Stage for Table1 {
     const GATHERS: &'static [Axis] = &[SEA];
     const SCHEMA: &'static str = Published::SCHEMA;
     type Params = Params;
-    type Inputs = (Cases<Exceedance>, Cases<VhgpSeq>, Cases<RandomSampling>);
+    type Inputs = (
+        Cases<Exceedance>,
+        Cases<VhgpSeq>,
+        Cases<VhgpBest>,
+        Cases<VhgpLhs>,
+        Cases<RandomSampling>,
+        Cases<SamplingFloor>,
+    );
     type Output = Published;
 
     fn run(
         p: &Params,
-        (truth, sequential, random): (
+        (truth, sequential, best, lhs, random, floors): (
             Vec<CaseOf<'_, Probabilities>>,
             Vec<CaseOf<'_, Realisation>>,
+            Vec<CaseOf<'_, Realisation>>,
+            Vec<CaseOf<'_, Realisation>>,
             Vec<CaseOf<'_, RandomEstimates>>,
+            Vec<CaseOf<'_, Option<Floor>>>,
         ),
         _: Here<'_>,
     ) -> Result<Published> {
@@ -87,7 +101,8 @@ impl Stage for Table1 {
             realisations: sequential.first().map_or(0, |case| case.pieces.len() as u64),
             rows: Vec::new(),
         };
-        for (sequential, random) in sequential.iter().zip(&random) {
+        // All five stages select the same rows of `vhgp_seq.case`.
+        for (i, sequential) in sequential.iter().enumerate() {
             let sea = sequential.case.value(SEA).unwrap_or_default();
             let Some(case) = p.vhgp_seq.case.iter().find(|case| case.sea == sea) else {
                 continue;
@@ -99,7 +114,13 @@ impl Stage for Table1 {
                 p_true: None,
                 p_true_se: None,
                 sequential: last(&sequential_estimates(sequential)?),
-                random: last(&random_estimates(random, p.vhgp_seq.total)?),
+                random: last(&random_estimates(&random[i], p.vhgp_seq.total)?),
+                best: last(&sequential_estimates(&best[i])?),
+                lhs: last(&sequential_estimates(&lhs[i])?),
+                floor: (*floors[i].get()?).map(|floor| table::Floor {
+                    importance: floor.importance,
+                    model: floor.model,
+                }),
                 paper: p.printed(case),
             };
             if let Some(truth) = truth {

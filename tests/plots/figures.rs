@@ -278,7 +278,9 @@ fn nothing_known_is_still_a_figure() {
     figure.shapes.clear();
     svg::check(&response_moments::draw(&figure).expect("no shape is sound"));
     let mut figure = samples::convergence();
-    figure.sequential = Estimates::default();
+    for none in [&mut figure.sequential, &mut figure.best, &mut figure.lhs] {
+        *none = Estimates::default();
+    }
     figure.random = Estimates {
         n_samples: vec![30.0],
         mean: vec![0.0],

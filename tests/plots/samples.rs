@@ -221,6 +221,15 @@ pub(crate) fn convergence() -> Convergence {
         epsilon_1: 0.002,
         realisations: 100,
         p_true: Some(p_true),
+        best: Estimates {
+            std: sequential.std.iter().map(|std| 0.8 * std).collect(),
+            ..sequential.clone()
+        },
+        lhs: Estimates {
+            std: sequential.std.iter().map(|std| 2.0 * std).collect(),
+            ..sequential.clone()
+        },
+        floor: Some(1.4),
         sequential,
         random,
     }
@@ -245,6 +254,12 @@ pub(crate) fn table() -> table::Table {
         p_true_se: Some(0.00024),
         sequential,
         random,
+        best: sequential,
+        lhs: random,
+        floor: sequential.map(|_| table::Floor {
+            importance: 3.0,
+            model: 1.5,
+        }),
         paper,
     };
     let mut rows = vec![
