@@ -26,6 +26,6 @@ mod roll_twin;
 mod seas;
 mod self_test;
 mod sums;
-mod traps;
 mod surrogate;
+mod traps;
 mod wave_field;

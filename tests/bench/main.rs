@@ -1,0 +1,7 @@
+//! Benchmarks: one file per question.
+
+mod vhgp;
+
+fn main() {
+    divan::main();
+}
