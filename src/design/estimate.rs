@@ -8,6 +8,7 @@
 //! The plug-in means leave f_v and g_v out, as the authors do. Tested in `tests/physics/design.rs`.
 
 use super::quadrature::Quadrature;
+use crate::gp::grid::means_on;
 use crate::gp::vhgp::Vhgp;
 use crate::numerics::elementary::exp;
 use crate::numerics::normal::distribution;
@@ -23,7 +24,7 @@ pub fn exceedance(f: f64, g: f64, threshold: f64) -> f64 {
 
 /// (Q2) over the nodes of a quadrature.
 pub fn probability(model: &Vhgp<2>, quadrature: &Quadrature, threshold: f64) -> f64 {
-    let means = model.means_on(&quadrature.axes);
+    let means = means_on(model, &quadrature.axes);
     let q = |i: &usize| quadrature.weight[*i] * exceedance(means.f[*i], means.g[*i], threshold);
     let terms: Vec<f64> = quadrature.support.iter().map(q).collect();
     sum(&terms)

@@ -10,7 +10,7 @@
 //! is λ = ½ in the bound. Tested against the variance after refactoring in `tests/physics/design.rs`.
 
 use super::quadrature::Quadrature;
-use crate::gp::grid::Pair;
+use crate::gp::grid::{Pair, covariances_on, means_on};
 use crate::gp::vhgp::Vhgp;
 use crate::numerics::elementary::exp;
 use crate::numerics::normal::density;
@@ -41,8 +41,8 @@ fn sensitivities(means: &Pair, quadrature: &Quadrature, threshold: f64) -> Pair 
 /// A score is at most what it were with f_v = g_v = 0: only nodes whose bound exceeds the score of the node with the
 /// largest bound are predicted.
 pub fn best(model: &Vhgp<2>, quadrature: &Quadrature, threshold: f64) -> Option<[f64; 2]> {
-    let means = model.means_on(&quadrature.axes);
-    let covariances = model.covariances_on(&quadrature.axes, &sensitivities(&means, quadrature, threshold));
+    let means = means_on(model, &quadrature.axes);
+    let covariances = covariances_on(model, &quadrature.axes, &sensitivities(&means, quadrature, threshold));
     let score = |i: usize, f_v: f64, g_v: f64| {
         let (f, g) = (covariances.f[i], covariances.g[i]);
         f * f / (f_v + exp(means.g[i])) + g * g / (g_v + LOG_VARIANCE_NOISE)
@@ -81,9 +81,9 @@ pub fn best(model: &Vhgp<2>, quadrature: &Quadrature, threshold: f64) -> Option<
 
 /// The first-order variance of the estimate.
 pub fn variance(model: &Vhgp<2>, quadrature: &Quadrature, threshold: f64) -> f64 {
-    let means = model.means_on(&quadrature.axes);
+    let means = means_on(model, &quadrature.axes);
     let weight = sensitivities(&means, quadrature, threshold);
-    let covariances = model.covariances_on(&quadrature.axes, &weight);
+    let covariances = covariances_on(model, &quadrature.axes, &weight);
     let mut total = 0.0;
     for &i in &quadrature.support {
         total += weight.f[i] * covariances.f[i] + weight.g[i] * covariances.g[i];

@@ -45,42 +45,40 @@ pub struct Pair {
     pub g: Vec<f64>,
 }
 
-impl Vhgp<2> {
-    /// f_m and g_m at every node.
-    pub fn means_on(&self, axes: &Axes) -> Pair {
-        let p = &self.parameters;
-        let mut pair = Pair {
-            f: vec![0.0; axes.nodes()],
-            g: vec![p.mu_0; axes.nodes()],
-        };
-        Factors::new(&p.k_f, &self.x, axes).add(&self.alpha_f, &mut pair.f);
-        Factors::new(&p.k_g, &self.x, axes).add(&self.beta_g, &mut pair.g);
-        pair
-    }
+/// f_m and g_m at every node.
+pub fn means_on(model: &Vhgp<2>, axes: &Axes) -> Pair {
+    let p = &model.parameters;
+    let mut pair = Pair {
+        f: vec![0.0; axes.nodes()],
+        g: vec![p.mu_0; axes.nodes()],
+    };
+    Factors::new(&p.k_f, &model.x, axes).add(&model.alpha_f, &mut pair.f);
+    Factors::new(&p.k_g, &model.x, axes).add(&model.beta_g, &mut pair.g);
+    pair
+}
 
-    /// Posterior covariances of Σ_j w_j f(x_j) with f, and of Σ_j w_j g(x_j) with g, x_j the nodes, at every node.
-    pub fn covariances_on(&self, axes: &Axes, weight: &Pair) -> Pair {
-        let p = &self.parameters;
-        let f = Factors::new(&p.k_f, &self.x, axes);
-        let mut h = f.contract(&weight.f);
-        solve(&self.l, &mut h);
-        let g = Factors::new(&p.k_g, &self.x, axes);
-        let mut u = g.contract(&weight.g);
-        for (u, s) in u.iter_mut().zip(&self.s) {
-            *u *= s;
-        }
-        solve(&self.c, &mut u);
-        for (u, s) in u.iter_mut().zip(&self.s) {
-            *u *= s;
-        }
-        let mut pair = Pair {
-            f: prior(&p.k_f, axes, &weight.f),
-            g: prior(&p.k_g, axes, &weight.g),
-        };
-        f.add(&negative(&h), &mut pair.f);
-        g.add(&negative(&u), &mut pair.g);
-        pair
+/// Posterior covariances of Σ_j w_j f(x_j) with f, and of Σ_j w_j g(x_j) with g, x_j the nodes, at every node.
+pub fn covariances_on(model: &Vhgp<2>, axes: &Axes, weight: &Pair) -> Pair {
+    let p = &model.parameters;
+    let f = Factors::new(&p.k_f, &model.x, axes);
+    let mut h = f.contract(&weight.f);
+    solve(&model.l, &mut h);
+    let g = Factors::new(&p.k_g, &model.x, axes);
+    let mut u = g.contract(&weight.g);
+    for (u, s) in u.iter_mut().zip(&model.s) {
+        *u *= s;
     }
+    solve(&model.c, &mut u);
+    for (u, s) in u.iter_mut().zip(&model.s) {
+        *u *= s;
+    }
+    let mut pair = Pair {
+        f: prior(&p.k_f, axes, &weight.f),
+        g: prior(&p.k_g, axes, &weight.g),
+    };
+    f.add(&negative(&h), &mut pair.f);
+    g.add(&negative(&u), &mut pair.g);
+    pair
 }
 
 fn negative(x: &[f64]) -> Vec<f64> {

@@ -33,6 +33,7 @@ pub mod flowchart;
 pub mod jonswap_groups;
 pub mod response_moments;
 pub mod table;
+pub mod table_errors;
 pub mod wave_groups;
 
 /// Why a figure could not be drawn; reads on after "failed to draw the figure: ".

@@ -15,6 +15,7 @@ use super::clip::Point;
 use super::csv;
 use super::shapes::{Stroke, paths};
 use super::svg::{Anchor, PLAIN, Sheet, Type, shorten};
+use super::table_errors::errors;
 use super::{Error, style};
 
 /// Mean and standard deviation over the realisations.
@@ -91,7 +92,7 @@ pub struct Table {
 }
 
 /// What stands where nothing is known.
-const NOTHING: &str = "–";
+pub(super) const NOTHING: &str = "–";
 
 /// A probability with the table's digits.
 fn probability(p: Option<f64>) -> String {
@@ -293,48 +294,6 @@ pub fn markdown(table: &Table) -> String {
         let _ = writeln!(text, "| {line} |");
     }
     format!("{text}\n{}\n\n{}", caption(table), errors(table))
-}
-
-/// Bias, standard deviation and root mean square error in % of P_true, beside what no method goes below.
-fn errors(table: &Table) -> String {
-    let mut text = String::from(
-        "| sea | VHGP-Seq: bias, std, rmse | look-ahead | hypercube | floor: importance sampling | floor: smooth model | samples for the paper's std |\n\
-         |---|---|---|---|---|---|---|\n",
-    );
-    let root = (table.samples as f64).sqrt();
-    for row in &table.rows {
-        let error = |known: Option<Estimate>| match known.zip(row.p_true) {
-            Some((Estimate { mean, std }, p)) if p > 0.0 => {
-                let (bias, std) = (100.0 * (mean / p - 1.0), 100.0 * std / p);
-                format!("{bias:+.1}, {std:.1}, {:.1}", (bias * bias + std * std).sqrt())
-            }
-            _ => NOTHING.to_owned(),
-        };
-        let floor = |of: fn(&Floor) -> f64| {
-            row.floor
-                .as_ref()
-                .map_or(NOTHING.to_owned(), |floor| format!("{:.1}", 100.0 * of(floor) / root))
-        };
-        let needed = row.floor.zip(row.paper).map(|(floor, paper)| {
-            let ratio = 100.0 * floor.model / paper.sequential_std_percent;
-            format!("{:.0}", ratio * ratio)
-        });
-        let line = [
-            row.spectrum.replace('|', "\\|"),
-            error(row.sequential),
-            error(row.best),
-            error(row.lhs),
-            floor(|floor| floor.importance),
-            floor(|floor| floor.model),
-            needed.unwrap_or(NOTHING.to_owned()),
-        ];
-        let _ = writeln!(text, "| {} |", line.join(" | "));
-    }
-    format!(
-        "{text}\nIn % of P_true. Floors for {} samples that see (L, A) alone: optimal importance sampling, and the \
-         Cramer-Rao bound of a smooth mean and variance; last column: samples at which that bound is the paper's std.\n",
-        table.samples
-    )
 }
 
 /// Writes Table 1 as LaTeX (`booktabs`).

@@ -6,7 +6,7 @@ use encounter::design::pool::{Pool, Used};
 use encounter::design::quadrature::Quadrature;
 use encounter::design::sequential::{Design, Input, Plan, Realisation, sequential};
 use encounter::design::settings::{VhgpBest, VhgpSeq};
-use encounter::gp::grid::Pair;
+use encounter::gp::grid::{Pair, covariances_on, means_on};
 use encounter::gp::vhgp::Vhgp;
 use encounter::numerics::elementary::{exp, ln};
 use encounter::numerics::normal::{density, from_uniform};
@@ -75,7 +75,7 @@ fn the_bounded_argmax_is_the_whole_scan_s() {
     let q = Quadrature::new(&points, [24, 24]);
     let (model, _, _) = fitted(40, &own().design(&shared()));
     for threshold in [0.5, 1.5, 2.5] {
-        let means = model.means_on(&q.axes);
+        let means = means_on(&model, &q.axes);
         let slopes = |i: usize| {
             let u = (means.f[i] - threshold) * exp(-0.5 * means.g[i]);
             (q.weight[i] * density(u), u, exp(-0.5 * means.g[i]))
@@ -84,7 +84,7 @@ fn the_bounded_argmax_is_the_whole_scan_s() {
             f: (0..576).map(|i| slopes(i).0 * slopes(i).2).collect(),
             g: (0..576).map(|i| -0.5 * slopes(i).1 * slopes(i).0).collect(),
         };
-        let c = model.covariances_on(&q.axes, &weight);
+        let c = covariances_on(&model, &q.axes, &weight);
         let nodes: Vec<[f64; 2]> = q.support.iter().map(|i| q.axes.node(*i)).collect();
         let score = |(i, p): (&usize, &encounter::gp::vhgp::Prediction)| {
             c.f[*i] * c.f[*i] / (p.f_v + exp(p.g_m)) + c.g[*i] * c.g[*i] / (p.g_v + 2.0)
