@@ -158,7 +158,7 @@ fn monomials([x, y]: [f64; 2], degree: u32) -> Vec<f64> {
 
 /// The least variance cᵀ M⁻¹ c of one sample, over designs on the nodes.
 fn least_variance(local: &Local, quadrature: &Quadrature, threshold: f64, degree: u32) -> Option<f64> {
-    let middle = |nodes: &[f64]| (nodes[0] + nodes[nodes.len() - 1]) / 2.0;
+    let middle = |nodes: &[f64]| 0.5 * (nodes[0] + nodes[nodes.len() - 1]);
     let half = |nodes: &[f64]| at_least((nodes[nodes.len() - 1] - nodes[0]) / 2.0, f64::MIN_POSITIVE);
     let sides = [&quadrature.axes.first, &quadrature.axes.second].map(|nodes| (middle(nodes), half(nodes)));
     let mut nodes = Vec::with_capacity(quadrature.support.len());

@@ -129,13 +129,14 @@ fn the_published_1d_table_is_reproduced_over_100_trials() {
         total(|t| t.unconverged_fits),
         total(|t| t.evaluations)
     );
-    // Published mean and sd; the standard errors of both sides' 100 trials add up: sd/10 of a mean, 7 % of an sd.
+    // Published mean and sd; the standard errors of both sides' 100 trials add up: sd/10 of a mean, 10 % of a
+    // skewed sd.
     for (at, m, sd) in [(0, 0.0211, 0.0105), (20, 0.0171, 0.0043)] {
         let p: Vec<f64> = trials.iter().map(|t| t.estimate[at]).collect();
         let (found, spread) = (mean(&p), standard_deviation(&p));
         let error = ((sd * sd + spread * spread) / 100.0).sqrt();
         assert!((found - m).abs() < 2.0 * error, "{found} against {m} +- {error}");
-        assert!(spread < sd * 1.2, "{spread} against {sd}");
+        assert!((spread / sd - 1.0).abs() < 0.28, "{spread} against {sd}");
     }
 }
 
