@@ -75,7 +75,7 @@ fn the_estimate_over_64_by_64_nodes_is_the_one_over_all_inputs() {
     for threshold in [0.5, 1.0, 1.5] {
         let mut whole = 0.0;
         model.means(&points, |f, g| {
-            whole += exceedance(f, g, threshold) / points.len() as f64
+            whole += exceedance(f, g, threshold) / points.len() as f64;
         });
         let p = probability(&model, &q, threshold);
         assert!((p / whole - 1.0).abs() < 2e-3, "{p} {whole}");
