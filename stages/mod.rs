@@ -9,6 +9,7 @@ pub mod ground_truth;
 pub mod group_detection;
 pub mod group_sample;
 pub mod group_statistics;
+pub mod linear_response;
 pub mod nic;
 pub mod nic_groups;
 pub mod pic;
@@ -40,6 +41,7 @@ pub const CONTENTS: &[&dyn Node] = &[
     node::<nic_groups::NicGroups>(),
     node::<exceedance::Exceedance>(),
     node::<response_moments::ResponseMoments>(),
+    node::<linear_response::LinearResponse>(),
     node::<response_pool::ResponsePool>(),
     node::<sampling_floor::SamplingFloor>(),
     node::<vhgp_seq::VhgpSeq>(),

@@ -22,5 +22,6 @@ pub mod look_ahead;
 pub mod pool;
 pub mod quadrature;
 pub mod response_pool;
+pub mod sequence;
 pub mod sequential;
 pub mod settings;
