@@ -19,6 +19,7 @@ pub mod response_pool;
 pub mod roll_ensemble;
 pub mod sampling_floor;
 pub mod vhgp_best;
+pub mod vhgp_control;
 pub mod vhgp_lhs;
 pub mod vhgp_seq;
 pub mod wave_synthesis;
@@ -46,6 +47,7 @@ pub const CONTENTS: &[&dyn Node] = &[
     node::<sampling_floor::SamplingFloor>(),
     node::<vhgp_seq::VhgpSeq>(),
     node::<vhgp_best::VhgpBest>(),
+    node::<vhgp_control::VhgpControl>(),
     node::<vhgp_lhs::VhgpLhs>(),
     node::<random_sampling::RandomSampling>(),
     node::<figures::fig1_wave_groups::Fig1WaveGroups>(),

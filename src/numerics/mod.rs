@@ -11,6 +11,7 @@ pub mod latin_hypercube;
 pub mod lbfgs_memory;
 pub mod lbfgsb;
 pub mod normal;
+pub mod optimal_design;
 pub mod random;
 pub mod rk4;
 pub mod self_test;

@@ -1,4 +1,4 @@
-//! What a linear oscillator like the ship would do in the same waves: known from the modes, without a run.
+//! What a linear oscillator like the ship does in the same waves: known from the modes, without a run.
 //!
 //! ```text
 //! harmonic balance of Eq. (6) without epsilon_1 at the amplitude θ_a and the frequency ω_p:
@@ -9,9 +9,10 @@
 //! |Z| is the envelope of the oscillator's steady roll. Nayfeh & Mook, *Nonlinear Oscillations* (1979), section 4.1. Tested
 //! against the roll equation itself, run linear, in `tests/physics/linear_response.rs`.
 
-use crate::numerics::fourier::Lanes;
+use crate::numerics::fourier::{Lanes, WIDTH};
 use crate::ship::roll_equation::{Damping, Ship};
 use num_complex::Complex;
+use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
 /// A linear oscillator: the ship balanced at one amplitude.
@@ -50,15 +51,26 @@ impl Oscillator {
     pub fn respond(&self, spectrum: &mut [Complex<Lanes>], delta_omega: f64) {
         for (k, c) in spectrum.iter_mut().enumerate() {
             let h = self.transfer((k + 1) as f64 * delta_omega);
-            let splat = |v| Lanes([v; crate::numerics::fourier::WIDTH]);
+            let splat = |v| Lanes([v; WIDTH]);
             *c = *c * Complex::new(splat(h.re), splat(h.im));
         }
     }
 }
 
-/// The largest |Z| about each sampled group of a piece.
-#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+/// z_i: the largest of a periodic series in [centre - reach, centre + reach], times in s; `spacing` that of the series.
+pub fn largest_about(series: impl Fn(usize) -> f64, samples: usize, spacing: f64, centre: f64, reach: f64) -> f64 {
+    let (from, to) = ((centre - reach) / spacing, (centre + reach) / spacing);
+    let mut largest = 0.0;
+    for i in from.ceil() as i64..=to.floor() as i64 {
+        let z = series(i.rem_euclid(samples as i64) as usize);
+        largest = if z > largest { z } else { largest };
+    }
+    largest
+}
+
+/// The oscillator's response to each sampled group of a piece.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LinearResponses {
-    /// (oscillators)(sampled groups), rad.
-    pub z: Vec<Vec<f64>>,
+    /// z (groups), rad, in the order of the sample.
+    pub z: Vec<f64>,
 }
