@@ -2,6 +2,7 @@
 
 pub mod axes;
 pub mod cic;
+pub mod convergence;
 pub mod envelope;
 pub mod exceedance;
 pub mod figures;
@@ -50,6 +51,7 @@ pub const CONTENTS: &[&dyn Node] = &[
     node::<vhgp_control::VhgpControl>(),
     node::<vhgp_lhs::VhgpLhs>(),
     node::<random_sampling::RandomSampling>(),
+    node::<convergence::Convergence>(),
     node::<figures::fig1_wave_groups::Fig1WaveGroups>(),
     node::<figures::fig2_flowchart::Fig2Flowchart>(),
     node::<figures::fig3_exceedance::Fig3Exceedance>(),

@@ -15,6 +15,7 @@
 //! Tested on the published 1-D reference case and on pools of points in `tests/physics/design.rs`.
 
 pub mod acquisition;
+pub mod convergence;
 pub mod estimate;
 pub mod floor;
 pub mod input_density;
