@@ -1,8 +1,8 @@
 //! §4 Sequential sampling that looks ahead: each sample where it lowers the variance of the estimate most.
 //!
 //! The paper's surrogate and numbers of samples; what differs is the coordinate ln L, the first samples from the density
-//! of the groups, the acquisition, and a noise that changes slowly. Chosen among seven layouts by their error in the
-//! four cases of Table 1 over 40 realisations of other seeds. Points are recorded as (L/T_p, A/H_s).
+//! of the groups, and the acquisition. README.md says how these were chosen. Points are
+//! recorded as (L/T_p, A/H_s).
 
 use std::sync::Arc;
 
