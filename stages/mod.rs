@@ -3,6 +3,7 @@
 pub mod axes;
 pub mod cic;
 pub mod detection_study;
+pub mod convergence;
 pub mod envelope;
 pub mod exceedance;
 pub mod figures;
@@ -10,6 +11,7 @@ pub mod ground_truth;
 pub mod group_detection;
 pub mod group_sample;
 pub mod group_statistics;
+pub mod linear_response;
 pub mod nic;
 pub mod nic_groups;
 pub mod pic;
@@ -19,6 +21,7 @@ pub mod response_pool;
 pub mod roll_ensemble;
 pub mod sampling_floor;
 pub mod vhgp_best;
+pub mod vhgp_control;
 pub mod vhgp_lhs;
 pub mod vhgp_seq;
 pub mod wave_synthesis;
@@ -42,12 +45,15 @@ pub const CONTENTS: &[&dyn Node] = &[
     node::<exceedance::Exceedance>(),
     node::<response_moments::ResponseMoments>(),
     node::<detection_study::DetectionVaried>(),
+    node::<linear_response::LinearResponse>(),
     node::<response_pool::ResponsePool>(),
     node::<sampling_floor::SamplingFloor>(),
     node::<vhgp_seq::VhgpSeq>(),
     node::<vhgp_best::VhgpBest>(),
+    node::<vhgp_control::VhgpControl>(),
     node::<vhgp_lhs::VhgpLhs>(),
     node::<random_sampling::RandomSampling>(),
+    node::<convergence::Convergence>(),
     node::<figures::fig1_wave_groups::Fig1WaveGroups>(),
     node::<figures::fig2_flowchart::Fig2Flowchart>(),
     node::<figures::fig3_exceedance::Fig3Exceedance>(),

@@ -1,8 +1,8 @@
 //! §4 Sequential sampling that looks ahead: each sample where it lowers the variance of the estimate most.
 //!
 //! The paper's surrogate and numbers of samples; what differs is the coordinate ln L, the first samples from the density
-//! of the groups, the acquisition, and a noise that changes slowly. Chosen among seven layouts by their error in the
-//! four cases of Table 1 over 40 realisations of other seeds. Points are recorded as (L/T_p, A/H_s).
+//! of the groups, and the acquisition. README.md says how these were chosen. Points are
+//! recorded as (L/T_p, A/H_s).
 
 use std::sync::Arc;
 
@@ -12,7 +12,7 @@ use crate::design::pool::{Pool, Used};
 use crate::design::quadrature::Quadrature;
 use crate::design::response_pool::ResponsePool as Responses;
 use crate::design::sequential::{Input, Realisation, sequential};
-use crate::design::settings::{VhgpBest as Settings, VhgpSeq as Shared};
+use crate::design::settings::{LookAhead, VhgpSeq as Shared};
 use crate::engine::arrow::One;
 use crate::engine::error::{Error, Result};
 use crate::engine::stage::{Here, Pieces, Select, Stage};
@@ -27,7 +27,7 @@ pub struct VhgpBest;
 #[derive(Serialize, Deserialize)]
 pub struct Params {
     vhgp_seq: Shared,
-    vhgp_best: Settings,
+    vhgp_best: LookAhead,
 }
 
 impl Stage for VhgpBest {

@@ -14,6 +14,7 @@ mod paths;
 mod tokens;
 
 mod architecture;
+mod ask_tell;
 mod cache;
 mod cli;
 mod common;

@@ -8,21 +8,16 @@
 //! The smooth model is r ~ N(f(x), e^{g(x)}) with unknown polynomials added to the f and g of the whole pool; M is the
 //! Fisher information of one sample, c the gradient of P_est by the polynomials' coefficients: the Cramer-Rao bound of
 //! an unbiased estimate. A prior that knows more than the degree may go below it, at the price of bias.
-//! Pukelsheim, *Optimal Design of Experiments* (2006), chapters 2 and 9. Tested in `tests/physics/floor.rs`.
+//! Tested in `tests/physics/floor.rs`.
 
 use super::estimate::exceedance;
 use super::quadrature::Quadrature;
-use crate::numerics::cholesky::Cholesky;
 use crate::numerics::elementary::{exp, ln};
 use crate::numerics::normal::density;
-use crate::numerics::square::Square;
+use crate::numerics::optimal_design::{Unknown, c_optimal};
 use crate::numerics::sums::{mean, sum};
 use serde::{Deserialize, Serialize};
 
-/// Steps towards the c-optimal design; each lowers the variance, the last ones by less than 1e-3 of it.
-const DESIGN_STEPS: u32 = 1000;
-/// Least share of a node in a design.
-const LEAST_SHARE: f64 = 1e-12;
 /// Least local variance of the responses.
 const LEAST_VARIANCE: f64 = 1e-6;
 
@@ -161,54 +156,19 @@ fn least_variance(local: &Local, quadrature: &Quadrature, threshold: f64, degree
     let middle = |nodes: &[f64]| 0.5 * (nodes[0] + nodes[nodes.len() - 1]);
     let half = |nodes: &[f64]| at_least((nodes[nodes.len() - 1] - nodes[0]) / 2.0, f64::MIN_POSITIVE);
     let sides = [&quadrature.axes.first, &quadrature.axes.second].map(|nodes| (middle(nodes), half(nodes)));
-    let mut nodes = Vec::with_capacity(quadrature.support.len());
-    let (mut c_f, mut c_g) = (Vec::new(), Vec::new());
+    let mut basis = Vec::with_capacity(quadrature.support.len());
+    let mut unknown = [Unknown::default(), Unknown::default()];
     for &i in &quadrature.support {
         let x = quadrature.axes.node(i);
-        let basis = monomials([0, 1].map(|d| (x[d] - sides[d].0) / sides[d].1), degree);
+        let own = monomials([0, 1].map(|d| (x[d] - sides[d].0) / sides[d].1), degree);
         let inverse = exp(-0.5 * local.g[i]);
         let u = (local.f[i] - threshold) * inverse;
         let slope = quadrature.weight[i] * density(u);
-        c_f.resize(basis.len(), 0.0);
-        c_g.resize(basis.len(), 0.0);
-        for k in 0..basis.len() {
-            c_f[k] += slope * inverse * basis[k];
-            c_g[k] -= 0.5 * u * slope * basis[k];
-        }
-        nodes.push((basis, inverse * inverse));
+        unknown[0].tell(&own, inverse * inverse, slope * inverse);
+        unknown[1].tell(&own, 0.5, -0.5 * u * slope);
+        basis.push(own);
     }
-    let mut share = vec![1.0 / nodes.len() as f64; nodes.len()];
-    let mut variance = f64::INFINITY;
-    for _ in 0..DESIGN_STEPS {
-        let (mut m_f, mut m_g) = (Square::zeros(c_f.len()), Square::zeros(c_g.len()));
-        for ((basis, precision), w) in nodes.iter().zip(&share) {
-            add_outer(&mut m_f, basis, w * precision);
-            add_outer(&mut m_g, basis, w * 0.5);
-        }
-        let (mut h_f, mut h_g) = (c_f.clone(), c_g.clone());
-        Cholesky::new(&m_f)?.solve(&mut h_f);
-        Cholesky::new(&m_g)?.solve(&mut h_g);
-        variance = dot(&c_f, &h_f) + dot(&c_g, &h_g);
-        // The multiplicative step: every node by the root of what it tells. No share ends at 0, so M stays regular.
-        for ((basis, precision), w) in nodes.iter().zip(&mut share) {
-            let (f, g) = (dot(basis, &h_f), dot(basis, &h_g));
-            *w *= (f * f * precision + 0.5 * g * g).sqrt();
-        }
-        let total = sum(&share);
-        for w in &mut share {
-            *w = at_least(*w / total, LEAST_SHARE);
-        }
-    }
-    (variance > 0.0 && variance.is_finite()).then_some(variance)
-}
-
-/// a += factor b bᵀ, the lower triangle.
-fn add_outer(a: &mut Square, b: &[f64], factor: f64) {
-    for (j, right) in b.iter().enumerate() {
-        for (i, left) in b.iter().enumerate().skip(j) {
-            a.values[i + j * a.stride] += factor * left * right;
-        }
-    }
+    c_optimal(&basis, &unknown)
 }
 
 fn dot(a: &[f64], b: &[f64]) -> f64 {

@@ -15,6 +15,7 @@
 //! Tested on the published 1-D reference case and on pools of points in `tests/physics/design.rs`.
 
 pub mod acquisition;
+pub mod convergence;
 pub mod estimate;
 pub mod floor;
 pub mod input_density;
@@ -22,5 +23,6 @@ pub mod look_ahead;
 pub mod pool;
 pub mod quadrature;
 pub mod response_pool;
+pub mod sequence;
 pub mod sequential;
 pub mod settings;

@@ -1,11 +1,11 @@
-//! The `[vhgp_seq]` table: everything the sequential design may be asked to do differently.
+//! The `[vhgp_seq]` table: everything the sequential design may be asked to do differently; and the tables of designs that
+//! look ahead.
 //!
-//! Keys without a default are the paper's; the others fill what it leaves open (science.md, section 12). `realisations`
-//! is a count of the engine and not read here. Tested in `tests/physics/design.rs`.
+//! `realisations` is a count of the engine and not read here. Tested in `tests/physics/design.rs`.
 
 use super::input_density::Grid;
 use super::sequential::{Design, Plan};
-use crate::gp::fit::{Fitting, KernelSpan, Span};
+use crate::gp::fit::{Fitting, KernelSpan};
 use crate::numerics::domain::{count, non_negative, positive};
 use serde::{Deserialize, Serialize};
 
@@ -40,31 +40,24 @@ pub struct VhgpSeq {
     /// Which value of the ship's epsilon_1 list.
     pub epsilon_1_index: u32,
     /// Box of (L/T_p, A/H_s): \[\[from, to\], \[from, to\]\].
-    #[serde(default = "domain")]
     pub domain: [[f64; 2]; 2],
     /// Candidates along L/T_p and A/H_s.
-    #[serde(default = "grid")]
     pub grid: [u32; 2],
     /// τ, standard deviation of a batch about its query, in (L/T_p, A/H_s).
-    #[serde(default = "tau")]
     pub tau: [f64; 2],
     /// Bandwidth of the kernel density p, in (L/T_p, A/H_s).
-    #[serde(default = "bandwidth")]
     pub bandwidth: [f64; 2],
     /// Initial samples lie where p exceeds this share of its maximum.
-    #[serde(default = "least_density", deserialize_with = "non_negative")]
+    #[serde(deserialize_with = "non_negative")]
     pub least_density: f64,
     /// Nodes of the quadrature of (Q2) along L/T_p and A/H_s.
-    #[serde(default = "quadrature")]
     pub quadrature: [u32; 2],
     /// Largest response that enters the model, rad; above every theta_t.
-    #[serde(default = "cap", deserialize_with = "positive")]
+    #[serde(deserialize_with = "positive")]
     pub cap: f64,
     /// Whether the model sees (y - mean)/sd of the current samples, or y itself.
-    #[serde(default = "standardise")]
     pub standardise: bool,
     /// Kernels, bounds and tolerances of the fit, in units of what the model sees.
-    #[serde(default = "fit")]
     pub fit: Fitting,
 }
 
@@ -141,21 +134,21 @@ impl VhgpSeq {
     }
 }
 
-/// The `[vhgp_best]` table: the method that looks ahead, in the coordinates (ln L/T_p, A/H_s).
+/// The `[vhgp_best]` and `[vhgp_control]` tables: a design that looks ahead, in two coordinates of its own.
 ///
 /// What it shares with the paper's method stands in `[vhgp_seq]`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct VhgpBest {
+pub struct LookAhead {
     /// First samples, drawn from the density of the groups.
     #[serde(deserialize_with = "count")]
     pub initial: u32,
     /// Samples added between two fits.
     #[serde(deserialize_with = "count")]
     pub batch: u32,
-    /// Standard deviation of a sample about the place that tells most, in (ln L/T_p, A/H_s).
+    /// Standard deviation of a sample about the place that tells most, in its coordinates.
     pub tau: [f64; 2],
-    /// Nodes of the quadrature along ln L/T_p and A/H_s.
+    /// Nodes of the quadrature along each coordinate.
     pub quadrature: [u32; 2],
     /// Kernel of the mean.
     pub k_f: KernelSpan,
@@ -163,7 +156,7 @@ pub struct VhgpBest {
     pub k_g: KernelSpan,
 }
 
-impl VhgpBest {
+impl LookAhead {
     /// How it is laid out; the rest as in the paper's method.
     pub fn design(&self, shared: &VhgpSeq) -> Design {
         let plan = Plan::LookAhead { tau: self.tau };
@@ -195,60 +188,5 @@ impl VhgpBest {
         }
         let fit = self.design(shared).fit.check(2);
         fit.map_err(|why| why.trim_start_matches("fit.").to_owned())
-    }
-}
-
-fn domain() -> [[f64; 2]; 2] {
-    [[0.4, 6.0], [0.05, 1.1]]
-}
-
-fn grid() -> [u32; 2] {
-    [40, 40]
-}
-
-fn tau() -> [f64; 2] {
-    [0.2, 0.03]
-}
-
-fn bandwidth() -> [f64; 2] {
-    [0.12, 0.03]
-}
-
-fn least_density() -> f64 {
-    1e-3
-}
-
-fn quadrature() -> [u32; 2] {
-    [64, 64]
-}
-
-fn cap() -> f64 {
-    1.25
-}
-
-fn standardise() -> bool {
-    true
-}
-
-fn fit() -> Fitting {
-    let span = |start, from, to| Span { start, from, to };
-    Fitting {
-        k_f: KernelSpan {
-            variance: span(1.0, 0.05, 20.0),
-            length: vec![span(1.0, 0.2, 20.0), span(0.3, 0.05, 4.0)],
-        },
-        k_g: KernelSpan {
-            variance: span(1.0, 0.05, 4.0),
-            length: vec![span(1.0, 0.3, 20.0), span(0.3, 0.08, 4.0)],
-        },
-        mu_0: [-8.0, 2.0],
-        log_lambda: [-4.0, 3.0],
-        jitter: 1e-6,
-        restarts: 1,
-        fresh_start_every: 10,
-        iterations: 100,
-        memory: 10,
-        gradient_tolerance: 1e-2,
-        value_tolerance: 1e-6,
     }
 }

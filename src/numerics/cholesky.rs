@@ -1,4 +1,4 @@
-//! The Cholesky factor A = L Lᵀ of a dense symmetric matrix, its solves, inverse and log det.
+//! The Cholesky factor A = L Lᵀ of a dense symmetric matrix, its solves, inverse and log diagonal.
 //!
 //! Left-looking over panels of 4 columns, tiles of 8 x 4 (`numerics::square`); every element subtracts its products in
 //! ascending k, so the bits are the same at every level. A matrix that is not positive definite has no factor: that is
@@ -6,51 +6,8 @@
 //! `tests/physics/cholesky.rs`.
 
 use super::elementary::ln;
-use super::lanes::{Kernel, dispatch};
+use super::lanes::Kernel;
 use super::square::{COLUMNS, ROWS, Square, Tile, load, products, store};
-
-/// A lower triangular factor L of a positive definite matrix.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Cholesky {
-    /// L (n, n), zero above the diagonal, identity on the padding.
-    pub l: Square,
-}
-
-impl Cholesky {
-    /// Factors a symmetric matrix, of which only the lower triangle is read; `None` if it is not positive definite.
-    pub fn new(a: &Square) -> Option<Self> {
-        let mut l = a.clone();
-        dispatch(Factor { a: &mut l }).then_some(Self { l })
-    }
-
-    /// A⁻¹ b, in place of b (n).
-    pub fn solve(&self, b: &mut [f64]) {
-        solve(&self.l, b);
-    }
-
-    /// L⁻¹ (n, n), lower triangular.
-    pub fn inverse_factor(&self) -> Square {
-        let mut t = Square::zeros(self.l.n);
-        let mut v = Square::zeros(self.l.n);
-        dispatch(Inverse { l: &self.l, t: &mut t });
-        v.transpose_of(&t);
-        v
-    }
-
-    /// A⁻¹ (n, n), symmetric.
-    pub fn inverse(&self) -> Square {
-        let mut t = Square::zeros(self.l.n);
-        let mut b = Square::zeros(self.l.n);
-        dispatch(Inverse { l: &self.l, t: &mut t });
-        symmetric_inverse(&t, &mut b);
-        b
-    }
-
-    /// ln det A.
-    pub fn log_det(&self) -> f64 {
-        2.0 * log_diagonal(&self.l)
-    }
-}
 
 /// [`factor`] as a kernel.
 pub struct Factor<'a> {

@@ -12,6 +12,7 @@ pub mod lbfgs_memory;
 pub mod lbfgsb;
 pub mod normal;
 pub mod paired;
+pub mod optimal_design;
 pub mod random;
 pub mod rk4;
 pub mod rows;

@@ -6,7 +6,7 @@
 
 use num_complex::Complex;
 
-use crate::numerics::cholesky::Cholesky;
+use crate::numerics::cholesky::{Factor, solve};
 use crate::numerics::elementary::{cos, erf, erfc, exp, exp_lanes, ln, log10, pow, sin, sin_cos, sin_cos_lanes};
 use crate::numerics::fourier::{Lanes, Synthesis, WIDTH};
 use crate::numerics::lanes::{Kernel, Level, dispatch_at};
@@ -168,16 +168,16 @@ fn runge_kutta(level: Level) -> u64 {
     dispatch_at(level, RungeKutta)
 }
 
-fn cholesky(_: Level) -> u64 {
+fn cholesky(level: Level) -> u64 {
     let x = points::<24>();
-    let matrix = Square::from_fn(24, |i, j| {
+    let mut matrix = Square::from_fn(24, |i, j| {
         let apart = x[i] - x[j];
         1.0 / (1.0 + 9.0 * apart * apart) + if i == j { 0.1 } else { 0.0 }
     });
-    let Some(factor) = Cholesky::new(&matrix) else {
+    if !dispatch_at(level, Factor { a: &mut matrix }) {
         return 0;
-    };
+    }
     let mut solved = x;
-    factor.solve(&mut solved);
-    fold(solved.into_iter().chain((0..24).map(|i| factor.l.at(23, i))))
+    solve(&matrix, &mut solved);
+    fold(solved.into_iter().chain((0..24).map(|i| matrix.at(23, i))))
 }

@@ -1,4 +1,4 @@
-//! Figure 5: how the estimate converges with the number of samples, by four methods, and what none can go below.
+//! Figure 5: how the estimate converges with the number of samples, by five methods, and what none that sees (L, A) alone can go below.
 //!
 //! | paper | code | unit | meaning |
 //! |---|---|---|---|
@@ -6,9 +6,7 @@
 //! | P_true | `p_true` | 1 | from the long record |
 //!
 //! The shade is the paper's one-sided standard deviation: from the mean to the mean plus one standard deviation; for the
-//! two methods that the paper does not have a dashed line in its place, for the floor a dotted one. Tested in `tests/plots/figures.rs`.
-
-use plotters::style::RGBColor;
+//! three methods that the paper does not have a dashed line in its place, for the floor a dotted one. Tested in `tests/plots/figures.rs`.
 
 use super::axes::Axis;
 use super::csv;
@@ -50,6 +48,8 @@ pub struct Convergence {
     pub random: Estimates,
     /// The design that looks ahead.
     pub best: Estimates,
+    /// The design that looks ahead, the linear response its control.
+    pub control: Estimates,
     /// The surrogate on a Latin hypercube.
     pub lhs: Estimates,
     /// The least standard deviation from one sample, relative to the truth: divide by √n.
@@ -79,6 +79,11 @@ const FLOOR: Stroke = Stroke {
 };
 
 impl Convergence {
+    /// Every method's estimates.
+    fn all(&self) -> [&Estimates; 5] {
+        [&self.sequential, &self.random, &self.best, &self.control, &self.lhs]
+    }
+
     /// (n, standard deviation) of the floor at the sequential design's numbers of samples.
     fn floor_deviations(&self) -> Vec<(f64, f64)> {
         let Some((p_true, floor)) = self.p_true.zip(self.floor) else {
@@ -123,18 +128,22 @@ impl Estimates {
 
 /// Draws Figure 5.
 pub fn draw(figure: &Convergence) -> Result<String, Error> {
-    for estimates in [&figure.sequential, &figure.random, &figure.best, &figure.lhs] {
+    for estimates in figure.all() {
         estimates.check()?;
     }
     let mut sheet = Sheet::new(700.0, 420.0);
     let both = [(&figure.random, style::ORANGE), (&figure.sequential, style::BLUE)];
-    let others = [(&figure.lhs, style::GREY), (&figure.best, style::GREEN)];
+    let others = [
+        (&figure.lhs, style::GREY),
+        (&figure.best, style::GREEN),
+        (&figure.control, style::RED),
+    ];
     let panel = Panel {
         left: 70.0,
         top: 34.0,
         width: 590.0,
         height: 330.0,
-        x: samples_axis(&[both, others].concat()),
+        x: samples_axis(&figure.all()),
         y: estimate_axis(figure),
     };
     panel.frame(&mut sheet)?;
@@ -155,7 +164,7 @@ pub fn draw(figure: &Convergence) -> Result<String, Error> {
         panel.line(&mut sheet, &tops, Stroke { colour, ..UPPER })?;
     }
     panel.line(&mut sheet, &figure.floor_line(), FLOOR)?;
-    for (estimates, colour) in [others, both].concat() {
+    for (estimates, colour) in others.into_iter().chain(both) {
         panel.line(
             &mut sheet,
             &estimates.means(),
@@ -176,10 +185,10 @@ pub fn draw(figure: &Convergence) -> Result<String, Error> {
     )?;
     let what = format!(
         "Ship: {}. Sea: {}, threshold {} rad, epsilon_1 {}. Estimated group exceeding probability against the number of \
-         samples (logarithmic axis): VHGP-Seq blue, random sampling orange, look-ahead design green, Latin hypercube with \
-         the same surrogate grey; line: mean over {} realisations; shade or dashed line: the one-sided standard \
+         samples (logarithmic axis): VHGP-Seq blue, random sampling orange, look-ahead design green, the same with a control red, \
+         Latin hypercube with the same surrogate grey; line: mean over {} realisations; shade or dashed line: the one-sided standard \
          deviation, from the mean to the mean plus one standard deviation. Black dashed: truth; black dotted: the least \
-         standard deviation above it.",
+         standard deviation of what sees length and amplitude alone, above it.",
         figure.ship, figure.spectrum, figure.theta_t, figure.epsilon_1, figure.realisations
     );
     Ok(sheet.finish("Figure 5: convergence of VHGP-Seq and of random sampling", &what))
@@ -192,9 +201,9 @@ fn unlog(panel: &Panel, fraction: f64) -> f64 {
 }
 
 /// Numbers of samples from the smallest to the largest.
-fn samples_axis(both: &[(&Estimates, RGBColor)]) -> Axis {
+fn samples_axis(all: &[&Estimates]) -> Axis {
     let (mut low, mut high) = (f64::INFINITY, 0.0);
-    for &n in both.iter().flat_map(|(estimates, _)| &estimates.n_samples) {
+    for &n in all.iter().flat_map(|estimates| &estimates.n_samples) {
         if n.is_finite() && n > 0.0 {
             low = if n < low { n } else { low };
             high = if n > high { n } else { high };
@@ -210,8 +219,7 @@ fn samples_axis(both: &[(&Estimates, RGBColor)]) -> Axis {
 
 /// Estimates from zero over the largest mean plus standard deviation, but not over five times the truth.
 fn estimate_axis(figure: &Convergence) -> Axis {
-    let all = [&figure.sequential, &figure.random, &figure.best, &figure.lhs];
-    let shades = all.into_iter().flat_map(Estimates::shade);
+    let shades = figure.all().into_iter().flat_map(Estimates::shade);
     let bound = figure.p_true.map_or(f64::INFINITY, |p_true| 5.0 * p_true);
     let tops = shades.map(|(_, _, upper)| if bound > 0.0 && upper > bound { bound } else { upper });
     Axis::from_zero(tops.chain(figure.p_true), 6, "*P*_{est}(*r* > *θ*_{t})")
@@ -237,10 +245,11 @@ fn legend() -> Vec<Entry> {
         line(style::ORANGE, "random sampling, mean"),
         shade(style::ORANGE, "random, mean + std. deviation"),
         line(style::GREEN, "look-ahead (dashed: + std. deviation)"),
+        line(style::RED, "look-ahead with control (dashed alike)"),
         line(style::GREY, "Latin hypercube (dashed: + std. dev.)"),
         Entry {
             sample: Sample::Line(FLOOR),
-            name: "*P*_{true} + least std. deviation".to_owned(),
+            name: "*P*_{true} + least std. dev. from (L, A)".to_owned(),
         },
         Entry {
             sample: Sample::Line(TRUTH),
@@ -257,6 +266,7 @@ pub fn csv(figure: &Convergence) -> String {
         ("random", &figure.random),
         ("best", &figure.best),
         ("lhs", &figure.lhs),
+        ("control", &figure.control),
     ];
     for (method, estimates) in methods {
         for (i, n) in estimates.n_samples.iter().enumerate() {

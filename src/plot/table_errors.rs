@@ -13,8 +13,8 @@ use super::table::{Estimate, Floor, NOTHING, Table};
 /// Bias, standard deviation and root mean square error in % of P_true, beside what no method goes below.
 pub(super) fn errors(table: &Table) -> String {
     let mut text = String::from(
-        "| sea | VHGP-Seq: bias, std, rmse | look-ahead | hypercube | floor: importance sampling | floor: smooth model | samples for the paper's std |\n\
-         |---|---|---|---|---|---|---|\n",
+        "| sea | VHGP-Seq: bias, std, rmse | look-ahead | control | hypercube | floor: importance sampling | floor: smooth model | samples for the paper's std |\n\
+         |---|---|---|---|---|---|---|---|\n",
     );
     let root = (table.samples as f64).sqrt();
     for row in &table.rows {
@@ -38,6 +38,7 @@ pub(super) fn errors(table: &Table) -> String {
             row.spectrum.replace('|', "\\|"),
             error(row.sequential),
             error(row.best),
+            error(row.control),
             error(row.lhs),
             floor(|floor| floor.importance),
             floor(|floor| floor.model),
@@ -46,7 +47,7 @@ pub(super) fn errors(table: &Table) -> String {
         let _ = writeln!(text, "| {} |", line.join(" | "));
     }
     format!(
-        "{text}\nIn % of P_true. Floors for {} samples that see (L, A) alone: optimal importance sampling, and the \
+        "{text}\nIn % of P_true. Floors for {} samples that see (L, A) alone, as all but `control` do: optimal importance sampling, and the \
          Cramer-Rao bound of a smooth mean and variance; last column: samples at which that bound is the paper's std.\n",
         table.samples
     )

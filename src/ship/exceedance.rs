@@ -153,11 +153,6 @@ impl Exceedances {
     }
 }
 
-/// (R1): the standard deviation of a probability p estimated from n groups drawn at random; none for n = 0.
-pub fn random_sampling_sd(p: f64, n: u64) -> Option<f64> {
-    (n > 0).then(|| (p * (1.0 - p) / n as f64).sqrt())
-}
-
 /// Exceedance of every method, and what the truth counted beside it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Probabilities {

@@ -7,6 +7,7 @@ pub mod encounter;
 pub mod exceedance;
 mod group_waves;
 pub mod initial_condition;
+pub mod linear_response;
 pub mod response;
 pub mod roll_equation;
 pub mod sample;

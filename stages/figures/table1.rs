@@ -1,26 +1,20 @@
-//! Table 1: P_true, VHGP-Seq and random sampling, ours beside the paper's; the look-ahead design and a hypercube.
+//! Table 1: P_true, VHGP-Seq and random sampling, ours beside the paper's; the look-ahead design, plain and with a control, and a
+//! hypercube.
 
 use serde::{Deserialize, Serialize};
 
-use crate::design::floor::Floor;
-use crate::design::response_pool::RandomEstimates;
-use crate::design::sequential::Realisation;
+use crate::design::convergence::{Convergence as Spreads, Spread};
 use crate::design::settings::Case;
 use crate::engine::arrow::{CaseOf, Cases};
 use crate::engine::case::Axis;
 use crate::engine::error::Result;
 use crate::engine::stage::{Here, Published, Stage};
-use crate::numerics::sums::{mean, standard_deviation};
 use crate::plot::table::{self, Estimate, Printed, Row, Table, csv, latex, markdown, svg};
 use crate::ship::exceedance::Probabilities;
 use crate::stages::axes::SEA;
+use crate::stages::convergence::Convergence;
 use crate::stages::exceedance::Exceedance;
 use crate::stages::figures::refusal::refused;
-use crate::stages::random_sampling::RandomSampling;
-use crate::stages::sampling_floor::SamplingFloor;
-use crate::stages::vhgp_best::VhgpBest;
-use crate::stages::vhgp_lhs::VhgpLhs;
-use crate::stages::vhgp_seq::VhgpSeq;
 
 /// Table 1.
 pub struct Table1;
@@ -72,60 +66,52 @@ impl Stage for Table1 {
     const GATHERS: &'static [Axis] = &[SEA];
     const SCHEMA: &'static str = Published::SCHEMA;
     type Params = Params;
-    type Inputs = (
-        Cases<Exceedance>,
-        Cases<VhgpSeq>,
-        Cases<VhgpBest>,
-        Cases<VhgpLhs>,
-        Cases<RandomSampling>,
-        Cases<SamplingFloor>,
-    );
+    type Inputs = (Cases<Exceedance>, Cases<Convergence>);
     type Output = Published;
 
     fn run(
         p: &Params,
-        (truth, sequential, best, lhs, random, floors): (
-            Vec<CaseOf<'_, Probabilities>>,
-            Vec<CaseOf<'_, Realisation>>,
-            Vec<CaseOf<'_, Realisation>>,
-            Vec<CaseOf<'_, Realisation>>,
-            Vec<CaseOf<'_, RandomEstimates>>,
-            Vec<CaseOf<'_, Option<Floor>>>,
-        ),
+        (truth, methods): (Vec<CaseOf<'_, Probabilities>>, Vec<CaseOf<'_, Spreads>>),
         _: Here<'_>,
     ) -> Result<Published> {
         let mut table = Table {
             ship: p.case.ship.clone(),
             epsilon_1: 0.0,
             samples: u64::from(p.vhgp_seq.total),
-            realisations: sequential.first().map_or(0, |case| case.pieces.len() as u64),
+            realisations: 0,
             rows: Vec::new(),
         };
-        // All five stages select the same rows of `vhgp_seq.case`.
-        for (i, sequential) in sequential.iter().enumerate() {
-            let sea = sequential.case.value(SEA).unwrap_or_default();
+        for methods in &methods {
+            let sea = methods.case.value(SEA).unwrap_or_default();
             let Some(case) = p.vhgp_seq.case.iter().find(|case| case.sea == sea) else {
                 continue;
             };
             let truth = truth.iter().find(|other| other.case.value(SEA) == Some(sea));
+            let known = methods.get()?;
+            table.realisations = known.realisations;
+            let at = |spread: &Spread| {
+                let estimate = spread.at(p.vhgp_seq.total);
+                estimate.map(|(mean, std)| Estimate { mean, std })
+            };
             let mut row = Row {
                 spectrum: sea.to_owned(),
                 theta_t: case.theta_t,
                 p_true: None,
                 p_true_se: None,
-                sequential: last(&sequential_estimates(sequential)?),
-                random: last(&random_estimates(&random[i], p.vhgp_seq.total)?),
-                best: last(&sequential_estimates(&best[i])?),
-                lhs: last(&sequential_estimates(&lhs[i])?),
-                floor: (*floors[i].get()?).map(|floor| table::Floor {
+                sequential: at(&known.sequential),
+                random: at(&known.random),
+                best: at(&known.best),
+                control: at(&known.control),
+                lhs: at(&known.lhs),
+                floor: known.floor.map(|floor| table::Floor {
                     importance: floor.importance,
                     model: floor.model,
                 }),
                 paper: p.printed(case),
             };
             if let Some(truth) = truth {
-                let known = truth.get()?.at_table("truth", p.vhgp_seq.epsilon_1_index as usize);
-                if let Some((epsilon_1, p_true, se)) = known {
+                let truth = truth.get()?.at_table("truth", p.vhgp_seq.epsilon_1_index as usize);
+                if let Some((epsilon_1, p_true, se)) = truth {
                     table.epsilon_1 = epsilon_1;
                     (row.p_true, row.p_true_se) = (Some(p_true), Some(se));
                 }
@@ -155,32 +141,4 @@ impl Params {
             random_std_percent: row.random_std_percent,
         })
     }
-}
-
-/// The last estimate of every realisation.
-fn sequential_estimates(case: &CaseOf<'_, Realisation>) -> Result<Vec<f64>> {
-    let pieces: Vec<_> = case.pieces.iter().collect::<Result<_>>()?;
-    Ok(pieces
-        .iter()
-        .filter_map(|realisation| realisation.estimate.last().copied())
-        .collect())
-}
-
-/// The estimate after so many samples, of every realisation.
-fn random_estimates(case: &CaseOf<'_, RandomEstimates>, samples: u32) -> Result<Vec<f64>> {
-    let pieces: Vec<_> = case.pieces.iter().collect::<Result<_>>()?;
-    let at = |known: &std::sync::Arc<crate::design::response_pool::RandomEstimates>| {
-        let place = known.n_samples.iter().position(|n| *n == samples)?;
-        Some(known.estimate[place])
-    };
-    Ok(pieces.iter().filter_map(at).collect())
-}
-
-/// Mean and standard deviation of some estimates; none of none.
-fn last(estimates: &[f64]) -> Option<Estimate> {
-    let known = Estimate {
-        mean: mean(estimates),
-        std: standard_deviation(estimates),
-    };
-    (!estimates.is_empty()).then_some(known)
 }

@@ -8,7 +8,7 @@ use encounter::design::estimate::{exceedance, probability};
 use encounter::design::pool::{Pool, Used};
 use encounter::design::quadrature::Quadrature;
 use encounter::design::sequential::{Design, Input, sequential};
-use encounter::design::settings::{VhgpBest, VhgpSeq};
+use encounter::design::settings::{LookAhead, VhgpSeq};
 use encounter::gp::elbo::Elbo;
 use encounter::gp::fit::Fit;
 use encounter::gp::vhgp::Vhgp;
@@ -18,34 +18,26 @@ use encounter::numerics::random::uniform;
 use nalgebra::{DMatrix, DVector};
 use rand_chacha::ChaCha12Rng;
 use rand_chacha::rand_core::SeedableRng;
+use serde::de::DeserializeOwned;
 
 const JITTER: f64 = 1e-6;
 const THRESHOLD: f64 = 0.85;
-const SHARED: &str = "initial = 30\nbatch = 3\ntotal = 120\nneighbours = 8\ncase = []\nepsilon_1_index = 1\n";
-const BEST: &str = r"
-initial = 30
-batch = 3
-tau = [0.15, 0.05]
-quadrature = [64, 64]
-[k_f]
-variance = { start = 1.0, from = 0.05, to = 20.0 }
-length = [{ start = 0.7, from = 0.15, to = 10.0 }, { start = 0.3, from = 0.05, to = 4.0 }]
-[k_g]
-variance = { start = 0.25, from = 0.01, to = 1.0 }
-length = [{ start = 1.0, from = 0.7, to = 10.0 }, { start = 0.5, from = 0.3, to = 4.0 }]
-";
+/// A table of the paper's parameters.
+fn table<T: DeserializeOwned>(name: &str) -> T {
+    let file: toml::Table = toml::from_str(include_str!("../../stages/paper.toml")).expect("TOML");
+    file[name].clone().try_into().expect("a table")
+}
 
 fn seeded(seed: u64) -> ChaCha12Rng {
     ChaCha12Rng::seed_from_u64(seed)
 }
 
 fn shared() -> VhgpSeq {
-    toml::from_str(SHARED).expect("a table")
+    table("vhgp_seq")
 }
 
 fn best() -> Design {
-    let own: VhgpBest = toml::from_str(BEST).expect("a table");
-    own.design(&shared())
+    table::<LookAhead>("vhgp_best").design(&shared())
 }
 
 /// 200,000 groups in (ln L/T_p, A/H_s) and a roll with scatter, about as many exceedances as S2 has.

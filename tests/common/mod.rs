@@ -1,5 +1,6 @@
 //! A toy pipeline in a temporary folder, run in the test's own process; what it did is an event log.
 
+pub(crate) mod paper;
 pub(crate) mod program;
 pub(crate) mod records;
 pub(crate) mod toy;

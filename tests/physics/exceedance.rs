@@ -1,11 +1,8 @@
 //! Claims about exceedance probabilities.
 
 use super::roll_twin::truth;
-use encounter::numerics::random;
-use encounter::ship::exceedance::{Exceedances, Thresholds, random_sampling_sd};
+use encounter::ship::exceedance::{Exceedances, Thresholds};
 use encounter::ship::response::{Moments, Truth};
-use rand_chacha::ChaCha12Rng;
-use rand_chacha::rand_core::SeedableRng;
 
 fn thresholds(from: f64, to: f64, step: f64) -> Thresholds {
     Thresholds { from, to, step }
@@ -54,7 +51,6 @@ fn without_groups_there_is_no_probability() {
     let curve = of_fields(&[0.5], [&[] as &[f64]]).curve("cic", 0.0, &[0.5]);
     assert_eq!((curve.n, curve.theta_t.len()), (0, 1));
     assert!(curve.probability.is_empty() && curve.standard_error.is_empty());
-    assert_eq!(random_sampling_sd(0.5, 0), None);
     assert_eq!(Moments::of(&[]), None);
 }
 
@@ -62,21 +58,8 @@ fn without_groups_there_is_no_probability() {
 fn with_one_group_per_field_the_standard_error_is_the_binomial_one() {
     let r: Vec<f64> = (0..1000).map(|i| if i % 10 == 0 { 1.0 } else { 0.0 }).collect();
     let counts = of_fields(&[0.5], r.chunks(1));
-    let binomial = random_sampling_sd(0.1, 1000).expect("n > 0");
+    let binomial = (0.1_f64 * 0.9 / 1000.0).sqrt();
     assert!((counts.standard_error(0).expect("n > 0") - binomial).abs() < 1e-15);
-}
-
-#[test]
-fn random_sampling_spreads_as_the_binomial_law_says() {
-    let mut stream = ChaCha12Rng::seed_from_u64(2022);
-    for (p, percent) in [(0.0421, 43.5), (0.0172, 69.0), (0.0232, 59.2), (0.0076, 104.0)] {
-        let estimate = |_| (0..120).filter(|_| random::uniform(&mut stream) < p).count() as f64 / 120.0;
-        let estimates: Vec<f64> = (0..20_000).map(estimate).collect();
-        let drawn = Moments::of(&estimates).expect("20,000 estimates").standard_deviation;
-        let law = random_sampling_sd(p, 120).expect("n > 0");
-        assert!((drawn / law - 1.0).abs() < 0.03, "{drawn} for {law}");
-        assert!((100.0 * law / p - percent).abs() < 0.8);
-    }
 }
 
 #[test]

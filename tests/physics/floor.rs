@@ -3,6 +3,7 @@
 use encounter::design::floor::{Floor, floor};
 use encounter::design::quadrature::Quadrature;
 use encounter::numerics::normal::{density, distribution, from_uniform};
+use encounter::numerics::optimal_design::{Unknown, c_optimal};
 use encounter::numerics::random::uniform;
 use rand_chacha::ChaCha12Rng;
 use rand_chacha::rand_core::SeedableRng;
@@ -101,4 +102,20 @@ fn a_threshold_that_nothing_exceeds_has_no_floor() {
     let (x, r) = pool(0.0);
     let q = Quadrature::new(&x, [8, 8]);
     assert_eq!(floor((&x, &r), (99.0, 1e9), &q, [0.1, 0.1], 1), None);
+}
+
+#[test]
+fn extrapolating_a_polynomial_costs_what_elfving_s_design_does() {
+    // Degree d on [-1, 1], wanted at 2: the Chebyshev polynomial's value there, squared.
+    for (degree, expected) in [(1, 4.0), (2, 49.0)] {
+        let powers = |x: f64| vec![1.0, x, x * x][..=degree].to_vec();
+        let nodes: Vec<f64> = (0..41).map(|i| f64::from(i) / 20.0 - 1.0).collect();
+        let basis: Vec<Vec<f64>> = nodes.iter().map(|x| powers(*x)).collect();
+        let unknown = Unknown {
+            precision: vec![1.0; 41],
+            c: powers(2.0),
+        };
+        let found = c_optimal(&basis, &[unknown]).expect("regular");
+        close("variance", found, expected, 2e-3);
+    }
 }

@@ -1,11 +1,12 @@
 //! Claims about the look-ahead acquisition and the design made of it.
 
+use crate::common::paper;
 use encounter::design::estimate::random_relative_deviation;
 use encounter::design::look_ahead::{best, variance};
 use encounter::design::pool::{Pool, Used};
 use encounter::design::quadrature::Quadrature;
 use encounter::design::sequential::{Design, Input, Plan, Realisation, sequential};
-use encounter::design::settings::{VhgpBest, VhgpSeq};
+use encounter::design::settings::{LookAhead, VhgpSeq};
 use encounter::gp::grid::{Pair, covariances_on, means_on};
 use encounter::gp::vhgp::Vhgp;
 use encounter::numerics::elementary::{exp, ln};
@@ -15,34 +16,12 @@ use encounter::numerics::sums::{mean, standard_deviation};
 use rand_chacha::ChaCha12Rng;
 use rand_chacha::rand_core::SeedableRng;
 
-const SHARED: &str = r#"
-initial = 30
-batch = 3
-total = 120
-neighbours = 8
-case = [{ sea = "S1", theta_t = 0.7 }]
-epsilon_1_index = 1
-"#;
-
-const OWN: &str = r"
-initial = 30
-batch = 3
-tau = [0.15, 0.05]
-quadrature = [48, 48]
-[k_f]
-variance = { start = 1.0, from = 0.05, to = 20.0 }
-length = [{ start = 0.7, from = 0.15, to = 10.0 }, { start = 0.3, from = 0.05, to = 4.0 }]
-[k_g]
-variance = { start = 0.25, from = 0.01, to = 1.0 }
-length = [{ start = 1.0, from = 0.7, to = 10.0 }, { start = 0.5, from = 0.3, to = 4.0 }]
-";
-
 fn shared() -> VhgpSeq {
-    toml::from_str(SHARED).expect("the contract's keys are enough")
+    paper::table("vhgp_seq")
 }
 
-fn own() -> VhgpBest {
-    toml::from_str(OWN).expect("a table")
+fn own() -> LookAhead {
+    paper::table("vhgp_best")
 }
 
 /// 20,000 groups in (ln L, A) and a roll that grows with both, normal with a scatter that grows with A.
@@ -211,20 +190,20 @@ fn a_hypercube_is_laid_out_beforehand() {
 
 #[test]
 fn wrong_tables_are_refused() {
-    type Change = fn(&mut VhgpBest);
+    type Change = fn(&mut LookAhead);
     let changes: [(Change, &str); 4] = [
         (
             |s| s.initial = 121,
             "initial: expected at most `vhgp_seq.total` = 120, found 121",
         ),
-        (|s| s.tau[1] = -0.1, "tau: expected numbers >= 0, found [0.15, -0.1]"),
+        (|s| s.tau[1] = -0.1, "tau: expected numbers >= 0, found [0.13, -0.1]"),
         (
             |s| s.quadrature[0] = 0,
-            "quadrature: expected whole numbers >= 1, found [0, 48]",
+            "quadrature: expected whole numbers >= 1, found [0, 64]",
         ),
         (
-            |s| s.k_g.variance.start = 2.0,
-            "k_g.variance: expected 0 < from <= start <= to, found from = 0.01, start = 2, to = 1",
+            |s| s.k_g.variance.start = 5.0,
+            "k_g.variance: expected 0 < from <= start <= to, found from = 0.01, start = 5, to = 4",
         ),
     ];
     assert_eq!(own().check(&shared()), Ok(()));

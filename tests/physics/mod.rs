@@ -1,6 +1,7 @@
 //! Exact solutions and laws, module by module.
 
 mod cholesky;
+mod convergence;
 mod density;
 mod design;
 mod detection;
@@ -17,6 +18,7 @@ mod group_statistics;
 mod hermite;
 mod latin_hypercube;
 mod lbfgsb;
+mod linear_response;
 mod look_ahead;
 mod normal;
 mod quadrature;

@@ -23,7 +23,7 @@ fn the_columns_are_those_of_the_contract() {
         header(&table::csv(&samples::table())),
         "spectrum,theta_t,p_true,p_true_se,sequential_mean,sequential_std,random_mean,random_std,paper_p_true,\
          paper_sequential_mean,paper_sequential_std_percent,paper_random_mean,paper_random_std_percent,\
-         best_mean,best_std,lhs_mean,lhs_std"
+         best_mean,best_std,lhs_mean,lhs_std,control_mean,control_std"
     );
     assert_eq!(
         header(&csv::groups(&[])),

@@ -283,7 +283,12 @@ fn nothing_known_is_still_a_figure() {
     figure.shapes.clear();
     svg::check(&response_moments::draw(&figure).expect("no shape is sound"));
     let mut figure = samples::convergence();
-    for none in [&mut figure.sequential, &mut figure.best, &mut figure.lhs] {
+    for none in [
+        &mut figure.sequential,
+        &mut figure.best,
+        &mut figure.control,
+        &mut figure.lhs,
+    ] {
         *none = Estimates::default();
     }
     figure.random = Estimates {

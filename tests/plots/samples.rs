@@ -227,6 +227,10 @@ pub(crate) fn convergence() -> Convergence {
             std: sequential.std.iter().map(|std| 0.8 * std).collect(),
             ..sequential.clone()
         },
+        control: Estimates {
+            std: sequential.std.iter().map(|std| 0.5 * std).collect(),
+            ..sequential.clone()
+        },
         lhs: Estimates {
             std: sequential.std.iter().map(|std| 2.0 * std).collect(),
             ..sequential.clone()
@@ -257,6 +261,7 @@ pub(crate) fn table() -> table::Table {
         sequential,
         random,
         best: sequential,
+        control: sequential,
         lhs: random,
         floor: sequential.map(|_| table::Floor {
             importance: 3.0,

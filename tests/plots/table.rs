@@ -32,13 +32,15 @@ fn the_digits_are_those_of_the_paper_in_every_form() {
 fn what_is_not_known_is_a_dash_in_print_and_empty_in_the_csv() {
     let table = samples::table();
     assert!(
-        table::markdown(&table).contains("| S4 | 1.05 | – | 0.0076 | – | 0.0082 (12 %) | – | – | – | 0.0105 (101 %) |")
+        table::markdown(&table)
+            .contains("| S4 | 1.05 | – | 0.0076 | – | 0.0082 (12 %) | – | – | – | – | 0.0105 (101 %) |")
     );
     assert!(table::latex(&table).contains("S4 & 1.05 & -- & 0.0076 & -- "));
-    assert!(table::csv(&table).contains("\nS4,1.05,,,,,,,0.0076,0.0082,12,0.0105,101,,,,\n"));
+    assert!(table::csv(&table).contains("\nS4,1.05,,,,,,,0.0076,0.0082,12,0.0105,101,,,,,,\n"));
     assert!(
-        table::csv(&table)
-            .contains("\nS3,1,0.0254,0.00024,0.0251,0.0021,0.026,0.0149,,,,,,0.0251,0.0021,0.026,0.0149\n")
+        table::csv(&table).contains(
+            "\nS3,1,0.0254,0.00024,0.0251,0.0021,0.026,0.0149,,,,,,0.0251,0.0021,0.026,0.0149,0.0251,0.0021\n"
+        )
     );
 }
 
@@ -47,10 +49,12 @@ fn the_markdown_has_every_error_beside_its_floor() {
     let text = table::markdown(&samples::table());
     // Bias -1.7, std 5.9; floors 300/√120 and 150/√120; (150/5)² samples.
     assert!(
-        text.contains("| S1 | -1.7, 5.9, 6.1 | -1.7, 5.9, 6.1 | +0.7, 43.8, 43.8 | 27.4 | 13.7 | 900 |"),
+        text.contains(
+            "| S1 | -1.7, 5.9, 6.1 | -1.7, 5.9, 6.1 | -1.7, 5.9, 6.1 | +0.7, 43.8, 43.8 | 27.4 | 13.7 | 900 |"
+        ),
         "{text}"
     );
-    assert!(text.contains("| S4 | – | – | – | – | – | – |"));
+    assert!(text.contains("| S4 | – | – | – | – | – | – | – |"));
 }
 
 #[test]

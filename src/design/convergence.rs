@@ -1,0 +1,64 @@
+//! How the estimates of every method spread over their realisations, by the number of samples.
+//!
+//! Tested in `tests/physics/convergence.rs`.
+
+use super::floor::Floor;
+use crate::numerics::sums::{mean, standard_deviation};
+use serde::{Deserialize, Serialize};
+
+/// One method's estimates: mean and population standard deviation over the realisations.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Spread {
+    /// Numbers of samples that every realisation reached, ascending.
+    pub n_samples: Vec<u32>,
+    /// Mean at each.
+    pub mean: Vec<f64>,
+    /// Standard deviation at each.
+    pub std: Vec<f64>,
+}
+
+impl Spread {
+    /// Of some realisations, each (numbers of samples, estimates).
+    pub fn of(realisations: &[(Vec<u32>, Vec<f64>)]) -> Self {
+        let mut spread = Self::default();
+        let sizes = realisations.first().map_or(&[] as &[u32], |(sizes, _)| sizes);
+        for n in sizes {
+            let at = |(sizes, estimates): &(Vec<u32>, Vec<f64>)| {
+                let place = sizes.iter().position(|size| size == n)?;
+                estimates.get(place).copied()
+            };
+            let values: Option<Vec<f64>> = realisations.iter().map(at).collect();
+            if let Some(values) = values {
+                spread.n_samples.push(*n);
+                spread.mean.push(mean(&values));
+                spread.std.push(standard_deviation(&values));
+            }
+        }
+        spread
+    }
+
+    /// (mean, standard deviation) at so many samples.
+    pub fn at(&self, n: u32) -> Option<(f64, f64)> {
+        let place = self.n_samples.iter().position(|size| *size == n)?;
+        Some((self.mean[place], self.std[place]))
+    }
+}
+
+/// All methods of one case of Table 1.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Convergence {
+    /// Realisations of each.
+    pub realisations: u64,
+    /// VHGP-Seq.
+    pub sequential: Spread,
+    /// The design that looks ahead.
+    pub best: Spread,
+    /// The same with the linear response as a control.
+    pub control: Spread,
+    /// The surrogate on a Latin hypercube.
+    pub lhs: Spread,
+    /// Random sampling.
+    pub random: Spread,
+    /// What no method that sees (L, A) alone goes below.
+    pub floor: Option<Floor>,
+}

@@ -1,0 +1,91 @@
+//! §4 What a linear oscillator like the ship does about each sampled group: known without running the ship.
+
+use std::f64::consts::TAU;
+use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
+
+use crate::design::settings::Case;
+use crate::engine::arrow::{Each, One};
+use crate::engine::error::{Error, Result};
+use crate::engine::stage::{Here, Pieces, Select, Stage};
+use crate::numerics::domain::positive;
+use crate::numerics::fourier::{Synthesis, WIDTH};
+use crate::sea::wave_field::{Record, WaveFields};
+use crate::sea::wave_group::{Groups, Sample};
+use crate::ship::linear_response::{LinearResponses, Oscillator, largest_about};
+use crate::ship::response::Truth;
+use crate::ship::roll_equation::Ship;
+use crate::stages::axes::SEA;
+use crate::stages::group_detection::GroupDetection;
+use crate::stages::group_sample::GroupSample;
+use crate::stages::wave_synthesis::WaveSynthesis;
+
+/// The largest roll of the oscillator in the original waves, group by group.
+pub struct LinearResponse;
+
+/// Parameters of the linear response.
+#[derive(Serialize, Deserialize)]
+pub struct Params {
+    ship: Ship,
+    record: Record,
+    truth: Truth,
+    vhgp_seq: Row,
+    linear_response: Settings,
+}
+
+/// The part of `[vhgp_seq]` that the oscillator is made for.
+#[derive(Serialize, Deserialize)]
+pub struct Row {
+    /// The row of Table 1.
+    case: Vec<Case>,
+}
+
+/// The `[linear_response]` table.
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Settings {
+    /// Amplitude of the harmonic balance, in theta_t.
+    #[serde(deserialize_with = "positive")]
+    amplitude: f64,
+}
+
+impl Stage for LinearResponse {
+    const NAME: &'static str = "linear_response";
+    const PAPER: &'static str = "§4";
+    const PIECES: Pieces = Pieces::AsUpstream;
+    const SELECTS: &'static [Select] = &[Select::Rows(SEA, "vhgp_seq.case")];
+    const SCHEMA: &'static str = "linear-responses/1";
+    type Params = Params;
+    type Inputs = (Each<WaveSynthesis>, Each<GroupDetection>, One<GroupSample>);
+    type Output = LinearResponses;
+
+    fn run(
+        p: &Params,
+        (waves, groups, sample): (Arc<WaveFields>, Arc<Groups>, Arc<Sample>),
+        here: Here<'_>,
+    ) -> Result<LinearResponses> {
+        let row = p.vhgp_seq.case.first();
+        let row = row.ok_or_else(|| Error::stage("no row of vhgp_seq.case names this sea"))?;
+        let theta_a = p.linear_response.amplitude * row.theta_t;
+        let oscillator = Oscillator::balanced(&p.ship, theta_a, TAU / waves.t_p);
+        let samples = p.record.envelope_samples();
+        let spacing = p.record.field_period(waves.t_p) / samples as f64;
+        let mut synthesis = Synthesis::new(waves.amplitude.len(), samples);
+        let mut block = vec![[0.0; WIDTH]; samples];
+        let mut z = Vec::new();
+        let fields: Vec<_> = groups.fields.iter().zip(sample.of(here.first, here.items)).collect();
+        for (block_index, fields) in fields.chunks(WIDTH).enumerate() {
+            let mut spectrum = waves.spectrum(block_index * WIDTH);
+            oscillator.respond(&mut spectrum, waves.delta_omega);
+            synthesis.modulus(&spectrum, &mut block);
+            for (lane, (groups, places)) in fields.iter().enumerate() {
+                for group in places.iter().map(|place| &groups[*place as usize]) {
+                    let reach = p.truth.window * group.l;
+                    z.push(largest_about(|i| block[i][lane], samples, spacing, group.t_c, reach));
+                }
+            }
+        }
+        Ok(LinearResponses { z })
+    }
+}
