@@ -1,6 +1,9 @@
 //! The paper in order: one line per stage. A new stage is one file and one line here.
 
 pub mod axes;
+pub mod calibration_check;
+pub mod calibration_fields;
+pub mod calibration_search;
 pub mod cic;
 pub mod envelope;
 pub mod exceedance;
@@ -46,6 +49,9 @@ pub const CONTENTS: &[&dyn Node] = &[
     node::<vhgp_best::VhgpBest>(),
     node::<vhgp_lhs::VhgpLhs>(),
     node::<random_sampling::RandomSampling>(),
+    node::<calibration_fields::CalibrationFields>(),
+    node::<calibration_search::CalibrationSearch>(),
+    node::<calibration_check::CalibrationCheck>(),
     node::<figures::fig1_wave_groups::Fig1WaveGroups>(),
     node::<figures::fig2_flowchart::Fig2Flowchart>(),
     node::<figures::fig3_exceedance::Fig3Exceedance>(),
@@ -62,4 +68,5 @@ pub const PIPELINE: Pipeline = Pipeline {
     axes: &[axes::SHIP, axes::SEA],
     contents: CONTENTS,
     optional: &[],
+    on_request: &["calibration_fields", "calibration_search", "calibration_check", "calibration"],
 };
