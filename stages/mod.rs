@@ -61,6 +61,7 @@ pub const CONTENTS: &[&dyn Node] = &[
     node::<figures::table1::Table1>(),
     node::<figures::groups::Groups>(),
     node::<figures::truth::Truth>(),
+    node::<figures::calibration::Calibration>(),
 ];
 
 /// The pipeline of the paper.
@@ -68,5 +69,10 @@ pub const PIPELINE: Pipeline = Pipeline {
     axes: &[axes::SHIP, axes::SEA],
     contents: CONTENTS,
     optional: &[],
-    on_request: &["calibration_fields", "calibration_search", "calibration_check", "calibration"],
+    on_request: &[
+        "calibration_fields",
+        "calibration_search",
+        "calibration_check",
+        "calibration",
+    ],
 };

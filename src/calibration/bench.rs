@@ -108,7 +108,12 @@ impl Bench<'_> {
                 }
                 piece.waves.elevation(start, &mut synthesis, &mut eta);
                 let used = start..(start + WIDTH).min(count);
-                let of = |groups: &Groups| groups.fields[used.clone()].iter().map(|list| encounters(list)).collect();
+                let of = |groups: &Groups| {
+                    groups.fields[used.clone()]
+                        .iter()
+                        .map(|list| encounters(list))
+                        .collect()
+                };
                 show(&Block {
                     eta: &eta,
                     groups: [of(&piece.groups[0]), of(&piece.groups[1])],
@@ -136,7 +141,11 @@ impl Bench<'_> {
             for (place, (ship, truth)) in ships.iter().enumerate() {
                 let groups = &block.groups[candidates[place].group_list()];
                 let simulation = Simulation::new(ship, truth, timing.h);
-                show(place, groups, &continuous_record(&simulation, &timing, block.eta, groups));
+                show(
+                    place,
+                    groups,
+                    &continuous_record(&simulation, &timing, block.eta, groups),
+                );
             }
         });
     }
@@ -188,7 +197,10 @@ impl Tally {
 
     /// Its standard error by fields.
     pub fn standard_error(&self, e: usize) -> f64 {
-        self.counts.get(e).and_then(|it| it.standard_error(0)).unwrap_or_default()
+        self.counts
+            .get(e)
+            .and_then(|it| it.standard_error(0))
+            .unwrap_or_default()
     }
 
     /// Groups in the statistics at one epsilon_1.

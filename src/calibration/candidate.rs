@@ -16,6 +16,8 @@ use serde::{Deserialize, Serialize};
 
 /// The coefficients, in the order of every array over them.
 pub const NAMES: [&str; 6] = ["alpha_1", "alpha_2", "beta_1", "beta_2", "epsilon_1", "epsilon_2"];
+/// Place of beta_2 in that order.
+const BETA_2: usize = 3;
 /// Place of epsilon_1 in that order.
 const EPSILON_1: usize = 4;
 /// Place in the ship's list of epsilon_1 of the one that Table 1 is about.
@@ -87,7 +89,13 @@ impl Candidate {
     /// The candidate with the given magnitudes of coefficients; one equal to the printed one is unchanged exactly.
     pub fn of_values(values: &[f64; 6], printed: &Ship, reading: Reading) -> Self {
         let printed = magnitudes(printed);
-        let ratio = |i: usize| if values[i] == printed[i] { 0.0 } else { ln(values[i] / printed[i]) };
+        let ratio = |i: usize| {
+            if values[i] == printed[i] {
+                0.0
+            } else {
+                ln(values[i] / printed[i])
+            }
+        };
         Self {
             x: std::array::from_fn(ratio),
             reading,
@@ -97,7 +105,20 @@ impl Candidate {
     /// Magnitudes of the coefficients, in the order of [`NAMES`].
     pub fn values(&self, printed: &Ship) -> [f64; 6] {
         let printed = magnitudes(printed);
-        std::array::from_fn(|i| if self.x[i] == 0.0 { printed[i] } else { printed[i] * exp(self.x[i]) })
+        std::array::from_fn(|i| {
+            if self.x[i] == 0.0 {
+                printed[i]
+            } else {
+                printed[i] * exp(self.x[i])
+            }
+        })
+    }
+
+    /// The coefficients, beta_2 with its sign.
+    pub fn signed_values(&self, printed: &Ship) -> [f64; 6] {
+        let mut values = self.values(printed);
+        values[BETA_2] = self.ship(printed).beta_2;
+        values
     }
 
     /// The same with every changed coefficient rounded to so many significant digits.
@@ -117,7 +138,11 @@ impl Candidate {
         let [alpha_1, alpha_2, beta_1, beta_2, epsilon_1, epsilon_2] = self.values(printed);
         let softens = (printed.beta_2 < 0.0) != (self.reading == Reading::HardeningRestoring);
         let scaled = |(place, e): (usize, &f64)| {
-            if place == TABLE { epsilon_1 } else { e / magnitudes(printed)[EPSILON_1] * epsilon_1 }
+            if place == TABLE {
+                epsilon_1
+            } else {
+                e / magnitudes(printed)[EPSILON_1] * epsilon_1
+            }
         };
         Ship {
             alpha_1,
@@ -153,7 +178,14 @@ impl Candidate {
 /// Magnitudes of a ship's coefficients, epsilon_1 that of Table 1.
 pub fn magnitudes(ship: &Ship) -> [f64; 6] {
     let epsilon_1 = ship.epsilon_1.get(TABLE).copied().unwrap_or_default();
-    [ship.alpha_1, ship.alpha_2, ship.beta_1, ship.beta_2.abs(), epsilon_1, ship.epsilon_2.abs()]
+    [
+        ship.alpha_1,
+        ship.alpha_2,
+        ship.beta_1,
+        ship.beta_2.abs(),
+        epsilon_1,
+        ship.epsilon_2.abs(),
+    ]
 }
 
 /// A number rounded to significant decimal digits; Rust's formatting is exact.

@@ -59,6 +59,8 @@ pub struct Checked {
     pub name: String,
     /// The candidate, rounded.
     pub candidate: Candidate,
+    /// Its coefficients, beta_2 with its sign.
+    pub values: [f64; 6],
     /// (C1) on the fields checked.
     pub misfit: f64,
     /// Fields checked.
@@ -103,7 +105,11 @@ pub fn chosen<'a>(
         }
     }
     best.map(|it| Chosen {
-        name: if place < most { format!("{} changed", place + 1) } else { reading.name().to_owned() },
+        name: if place < most {
+            format!("{} changed", place + 1)
+        } else {
+            reading.name().to_owned()
+        },
         candidate: it.best.candidate,
         polish: true,
     })

@@ -48,7 +48,11 @@ pub fn minimise(
     };
     let points: Vec<Vec<f64>> = (0..n).map(|_| drawn(stream)).collect();
     let costs = cost(&points);
-    let mut members: Vec<Member> = points.into_iter().zip(costs).map(|(x, cost)| Member { x, cost }).collect();
+    let mut members: Vec<Member> = points
+        .into_iter()
+        .zip(costs)
+        .map(|(x, cost)| Member { x, cost })
+        .collect();
     if members.iter().any(|member| member.cost < effort.hopeless) {
         for _ in 0..effort.generations {
             let best = (0..n).fold(0, |best, i| if members[i].cost < members[best].cost { i } else { best });
@@ -78,7 +82,11 @@ fn child(bounds: &[[f64; 2]], members: &[Member], i: usize, best: usize, stream:
         if uniform(stream) >= CROSSOVER && q != always {
             continue;
         }
-        let base = if towards { own[q] + f * (members[best].x[q] - own[q]) } else { members[c].x[q] };
+        let base = if towards {
+            own[q] + f * (members[best].x[q] - own[q])
+        } else {
+            members[c].x[q]
+        };
         let value = base + f * (members[a].x[q] - members[b].x[q]);
         x[q] = if value < *low {
             0.5 * (low + own[q])

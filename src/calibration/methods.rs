@@ -140,12 +140,18 @@ pub fn interpolated_cic(
     layout: &Layout<'_>,
     e: usize,
 ) -> Vec<f64> {
-    let Some(first) = bench.seas.first() else { return Vec::new() };
+    let Some(first) = bench.seas.first() else {
+        return Vec::new();
+    };
     // The seas share T_p, so one table serves all.
     let runs = Runs::new(bench, first, candidate, layout);
     let spacing = runs.t_p / f64::from(bench.record.envelope_samples_per_period);
     let lengths = [0.5 * runs.t_p, bench.longest * spacing];
-    let highest = bench.seas.iter().flat_map(|sea| groups(sea, fields, candidate)).fold(1.0, |m, g| if g[1] > m { g[1] } else { m });
+    let highest = bench
+        .seas
+        .iter()
+        .flat_map(|sea| groups(sea, fields, candidate))
+        .fold(1.0, |m, g| if g[1] > m { g[1] } else { m });
     let ratio = ln(lengths[1] / lengths[0]);
     let node = |i: usize| Encounter {
         t_c: 0.0,

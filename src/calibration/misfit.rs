@@ -44,7 +44,9 @@ pub fn ranking(tallies: &[Tally], p_cic: &[f64]) -> f64 {
     let mut sum = 0.0;
     for (tally, cic) in tallies.iter().zip(p_cic) {
         let n = tally.groups(TABLE);
-        let p: Vec<f64> = (0..tally.counts.len()).map(|e| smoothed(tally.probability(e), n)).collect();
+        let p: Vec<f64> = (0..tally.counts.len())
+            .map(|e| smoothed(tally.probability(e), n))
+            .collect();
         sum += excess(ln(2.0 * smoothed(*cic, n) / p[TABLE]), 0.5);
         for pair in p.windows(2) {
             sum += excess(ln(1.1 * pair[0] / pair[1]), 0.3);
@@ -55,5 +57,9 @@ pub fn ranking(tallies: &[Tally], p_cic: &[f64]) -> f64 {
 
 /// The square of what lies above zero, in units of a scale.
 fn excess(value: f64, scale: f64) -> f64 {
-    if value > 0.0 { value * value / (scale * scale) } else { 0.0 }
+    if value > 0.0 {
+        value * value / (scale * scale)
+    } else {
+        0.0
+    }
 }

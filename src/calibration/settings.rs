@@ -97,7 +97,9 @@ impl Settings {
         }
         if self.polish_fields < self.search_fields {
             let (polish, search) = (self.polish_fields, self.search_fields);
-            return Err(format!("polish_fields: expected at least {search} (`search_fields`), found {polish}"));
+            return Err(format!(
+                "polish_fields: expected at least {search} (`search_fields`), found {polish}"
+            ));
         }
         Ok(())
     }

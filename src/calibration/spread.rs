@@ -58,7 +58,9 @@ fn cell(point: &Point) -> usize {
 /// Sums weighted by a Gaussian of `width` cells along the coordinate whose cells lie `stride` apart.
 fn blurred(cells: &[Sums], stride: usize, width: f64) -> Vec<Sums> {
     let reach = (4.0 * width).ceil() as i64;
-    let weights: Vec<f64> = (0..=reach).map(|d| exp(-0.5 * (d as f64 / width) * (d as f64 / width))).collect();
+    let weights: Vec<f64> = (0..=reach)
+        .map(|d| exp(-0.5 * (d as f64 / width) * (d as f64 / width)))
+        .collect();
     let mut out = vec![[0.0; 3]; cells.len()];
     for (at, sums) in out.iter_mut().enumerate() {
         let own = (at / stride % CELLS) as i64;

@@ -111,6 +111,7 @@ impl Study<'_> {
         Checked {
             name: chosen.name.clone(),
             candidate,
+            values: candidate.signed_values(self.bench.printed),
             misfit: misfit(&tallies, &self.targets(), self.settings.relative_error),
             fields: others.len() as u64,
             seas,
