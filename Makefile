@@ -2,11 +2,12 @@
 CARGO := $(shell command -v cargo)
 $(if $(CARGO),,$(error cargo not found: install the Rust toolchain from https://rustup.rs, then run make again))
 
-.PHONY: figures quick tiny test verify verify-cpus clean
+.PHONY: figures quick tiny calibration test verify verify-cpus clean
 
 figures: ; cargo run --release -- run
 quick:   ; cargo run --release -- run --profile quick
 tiny:    ; cargo run --release -- run --profile tiny
+calibration: ; cargo run --release -- run calibration
 test:    ; cargo test --release
 verify:  ; cargo run --release -- verify --lock
 verify-cpus: ; tests/verify_cpus.sh

@@ -9,6 +9,7 @@
 //! | [`stages`] | the paper in order, a file per step, and its parameters | all of it |
 //! | [`sea`] | spectrum, wave fields, envelope, detection of groups: Eqs. (2), (7) | §2 |
 //! | [`ship`] | roll equation, responses, initial conditions, exceedance: Eqs. (1), (3)-(6) | §3 |
+//! | [`calibration`] | which coefficients give Table 1: a study beside the paper | §3 |
 //! | [`gp`] | Gaussian processes with input-dependent noise | §4 |
 //! | [`design`] | sequential sampling, its estimate, random sampling | §4 |
 //! | [`plot`] | one look for every figure and table | figures |
@@ -18,8 +19,10 @@
 //! | [`cli`] | the verbs; speaks, never computes | |
 //!
 //! Who may import whom: `stages` all but `cli`; `design` -> `gp` -> `numerics`; `report` -> `plot`; `sea`, `ship`, `plot` -> `numerics`;
+//! Who may import whom: `stages` all but `cli`; `design` -> `gp` -> `numerics`; `calibration` -> `sea`, `ship`; `sea`, `ship`, `plot` -> `numerics`;
 //! `engine` nothing of ours. `tests/architecture` polices it, since the fingerprint of a stage's code follows these edges.
 
+pub mod calibration;
 pub mod cli;
 pub mod design;
 pub mod engine;

@@ -1,9 +1,12 @@
 //! The paper in order: one line per stage. A new stage is one file and one line here.
 
 pub mod axes;
+pub mod calibration_check;
+pub mod calibration_fields;
+pub mod calibration_search;
 pub mod cic;
-pub mod detection_study;
 pub mod convergence;
+pub mod detection_study;
 pub mod envelope;
 pub mod exceedance;
 pub mod figures;
@@ -54,6 +57,9 @@ pub const CONTENTS: &[&dyn Node] = &[
     node::<vhgp_lhs::VhgpLhs>(),
     node::<random_sampling::RandomSampling>(),
     node::<convergence::Convergence>(),
+    node::<calibration_fields::CalibrationFields>(),
+    node::<calibration_search::CalibrationSearch>(),
+    node::<calibration_check::CalibrationCheck>(),
     node::<figures::fig1_wave_groups::Fig1WaveGroups>(),
     node::<figures::fig2_flowchart::Fig2Flowchart>(),
     node::<figures::fig3_exceedance::Fig3Exceedance>(),
@@ -67,6 +73,7 @@ pub const CONTENTS: &[&dyn Node] = &[
     node::<figures::truth::Truth>(),
     node::<figures::findings::Findings>(),
     node::<figures::index::Index>(),
+    node::<figures::calibration::Calibration>(),
 ];
 
 /// The pipeline of the paper.
@@ -74,4 +81,10 @@ pub const PIPELINE: Pipeline = Pipeline {
     axes: &[axes::SHIP, axes::SEA],
     contents: CONTENTS,
     optional: &[],
+    on_request: &[
+        "calibration_fields",
+        "calibration_search",
+        "calibration_check",
+        "calibration",
+    ],
 };

@@ -90,7 +90,7 @@ fn params_at(common: &Common, revision: &Revision) -> Result<ParamsFile> {
 
 fn lines(common: &Common, revision: &Revision) -> Result<Option<(Vec<LineChange>, Vec<LineChange>)>> {
     let old = revision.file(&format!("artifacts/{}.lock", common.profile.name()))?;
-    let new = fs::read_to_string(common.lock_file()?).ok();
+    let new = fs::read_to_string(common.lock_file(&[])?).ok();
     let Some((old, new)) = old.zip(new) else {
         return Ok(None);
     };

@@ -143,8 +143,15 @@ impl Common {
         }
     }
 
-    fn lock_file(&self) -> Result<PathBuf> {
-        Ok(self.store_folder()?.join(format!("{}.lock", self.profile.name())))
+    /// The lock of a run of everything, or of the one output named that only runs on request.
+    fn lock_file(&self, targets: &[String]) -> Result<PathBuf> {
+        let profile = self.profile.name();
+        let name = match on_request(targets) {
+            Some(own) if self.profile == Profile::Paper => own.to_owned(),
+            Some(own) => format!("{profile}.{own}"),
+            None => profile.to_owned(),
+        };
+        Ok(self.store_folder()?.join(format!("{name}.lock")))
     }
 
     /// Whether parameters differ from those of the profile, so that nothing committed may be touched.
@@ -164,6 +171,12 @@ impl Common {
             figures: self.figures_folder()?,
         })
     }
+}
+
+/// The one target, if it only runs on request: it has a lock of its own.
+fn on_request(targets: &[String]) -> Option<&str> {
+    let [own] = targets else { return None };
+    PIPELINE.on_request.contains(&own.as_str()).then_some(own.as_str())
 }
 
 /// Reads a target. All epsilon_1 of a ship lie in one node, so `nic/calibrated-S1-0.002` is `nic/calibrated-S1`.

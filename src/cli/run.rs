@@ -10,7 +10,7 @@ use serde_json::json;
 
 use crate::cli::interrupt::STOP;
 use crate::cli::progress::Progress;
-use crate::cli::{Common, Session, gc, print_json, say, status};
+use crate::cli::{Common, Session, gc, on_request, print_json, say, status};
 use crate::engine::code;
 use crate::engine::error::{Error, Result};
 use crate::engine::event::Event;
@@ -97,7 +97,7 @@ fn execute(args: &RunArgs, session: &Session, store: &Store, listener: &(dyn Fn(
     let texts = publish::texts(&run, SHIP, &session.ships)?;
     publish::publish(&run, &texts, &session.figures)?;
     outcome?;
-    if args.target.is_empty() && !args.common.is_custom() {
+    if (args.target.is_empty() || on_request(&args.target).is_some()) && !args.common.is_custom() {
         let lock = Lock::of(&run, args.common.profile.name(), code::RUSTC, &texts)?;
         write_lock(args, &lock)?;
     }
@@ -106,7 +106,7 @@ fn execute(args: &RunArgs, session: &Session, store: &Store, listener: &(dyn Fn(
 
 /// Writes the lock, unless only the compiler's name would change.
 fn write_lock(args: &RunArgs, lock: &Lock) -> Result<()> {
-    let path = args.common.lock_file()?;
+    let path = args.common.lock_file(&args.target)?;
     let old = fs::read_to_string(&path).ok().and_then(|text| Lock::parse(&text).ok());
     let same = |old: &Lock| old.lines == lock.lines && old.seed == lock.seed && old.profile == lock.profile;
     if old.as_ref().is_some_and(same) {

@@ -14,7 +14,7 @@ use serde_json::json;
 use crate::cli::interrupt::STOP;
 use crate::cli::progress::{Progress, tell};
 use crate::cli::run::workers;
-use crate::cli::{Common, Session, print_json, same_bits, say};
+use crate::cli::{Common, Session, on_request, print_json, same_bits, say};
 use crate::engine::audit::{Audit, Finding, audit};
 use crate::engine::code;
 use crate::engine::difference::grouped;
@@ -74,9 +74,10 @@ pub struct VerifyArgs {
 /// # Errors
 /// A lock or store that cannot be read, or a difference.
 pub fn verify(args: &VerifyArgs) -> Result<()> {
-    if let Some(target) = args.target.first().filter(|_| !args.rebuild) {
+    let own = args.lock && on_request(&args.target).is_some();
+    if let Some(target) = args.target.first().filter(|_| !args.rebuild && !own) {
         return Err(Error::Usage(format!(
-            "target `{target}`: expected with --rebuild alone"
+            "target `{target}`: expected with --rebuild, or with --lock one that only runs on request"
         )));
     }
     let session = args.common.open(&args.target)?;
@@ -99,7 +100,7 @@ fn read_lock(path: &Path) -> Result<Lock> {
 }
 
 fn verify_lock(args: &VerifyArgs, session: &Session) -> Result<()> {
-    let path = args.common.lock_file()?;
+    let path = args.common.lock_file(&args.target)?;
     let lock = read_lock(&path)?;
     let differences = compare_lock(args, session, &lock);
     let toolchains = toolchains(&lock);
@@ -211,7 +212,7 @@ fn verify_store(args: &VerifyArgs, session: &Session) -> Result<()> {
 fn lock_in_store(args: &VerifyArgs, session: &Session) -> Vec<String> {
     let lock = args
         .common
-        .lock_file()
+        .lock_file(&args.target)
         .ok()
         .filter(|path| path.is_file() && !args.common.is_custom());
     let Some(path) = lock else { return Vec::new() };
@@ -274,7 +275,7 @@ fn print_findings(word: &str, findings: &[Finding]) {
 
 fn verify_rebuild(args: &VerifyArgs, session: &Session) -> Result<()> {
     same_bits()?;
-    let path = args.common.lock_file()?;
+    let path = args.common.lock_file(&args.target)?;
     let lock = read_lock(&path)?;
     let start = Instant::now();
     let rebuilt = rebuild(args, session, &lock)?;
@@ -326,7 +327,7 @@ fn rebuild(args: &VerifyArgs, session: &Session, lock: &Lock) -> Result<Rebuilt>
     let against = Against {
         lock,
         ordinary: &session.look_at_store(),
-        whole: args.target.is_empty(),
+        whole: args.target.is_empty() || on_request(&args.target).is_some(),
         workers: workers(args.j),
     };
     compare(&run, &made, &against)

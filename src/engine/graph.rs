@@ -135,7 +135,7 @@ struct Builder<'a> {
 }
 
 impl Graph {
-    /// The graph that some targets need; all of the pipeline for none.
+    /// The graph that some targets need; all of the pipeline for none, but for what runs on request.
     ///
     /// # Errors
     /// A parameter or target that cannot be used.
@@ -148,7 +148,7 @@ impl Graph {
             for target in targets.iter().filter(|target| target.stage == name) {
                 asked.extend(builder.want_target(place, target)?);
             }
-            if targets.is_empty() {
+            if targets.is_empty() && !pipeline.on_request.contains(&name) {
                 asked.extend(builder.want_all(place)?);
             }
         }

@@ -17,6 +17,8 @@ pub struct Pipeline {
     pub contents: &'static [&'static dyn Node],
     /// Keys of `[run]` that are neither the seed nor the list of an axis, and keys that any table may leave out.
     pub optional: &'static [&'static str],
+    /// Stages that run only when they, or what reads them, are named: neither a run of everything nor its lock has them.
+    pub on_request: &'static [&'static str],
 }
 
 /// The parameters of one stage in one case, each key checked by itself.

@@ -27,6 +27,8 @@ pub mod shapes;
 pub mod style;
 pub mod svg;
 
+pub mod calibration;
+pub mod calibration_table;
 pub mod convergence;
 pub mod exceedance;
 pub mod flowchart;

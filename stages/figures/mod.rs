@@ -1,5 +1,6 @@
 //! The last stages: one published name, one file; data in, text out.
 
+pub mod calibration;
 pub mod captions;
 pub mod fig1_wave_groups;
 pub mod fig2_flowchart;

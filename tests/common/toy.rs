@@ -27,6 +27,7 @@ pub(crate) const TOY: Pipeline = Pipeline {
     axes: &[SCALE, BASE],
     contents: CONTENTS,
     optional: &[],
+    on_request: &[],
 };
 const CONTENTS: &[&dyn Node] = &[
     node::<Numbers<10>>(),
@@ -45,12 +46,14 @@ pub(crate) const OTHER_BATCHES: Pipeline = Pipeline {
     axes: &[],
     contents: &[node::<Numbers<7>>()],
     optional: &[],
+    on_request: &[],
 };
 /// Numbers alone.
 pub(crate) const NUMBERS: Pipeline = Pipeline {
     axes: &[],
     contents: &[node::<Numbers<10>>()],
     optional: &[],
+    on_request: &[],
 };
 
 /// Random whole numbers below `span`, left out of the store.

@@ -19,6 +19,7 @@ pub(super) const SLOW: Pipeline = Pipeline {
     axes: &[],
     contents: CONTENTS,
     optional: &[],
+    on_request: &[],
 };
 const CONTENTS: &[&dyn Node] = &[node::<Phases>(), node::<Slow>(), node::<Total>()];
 

@@ -144,6 +144,7 @@ const fn pipeline<const KIND: u8, const TEST: usize>() -> Pipeline {
             ]
         },
         optional: &[],
+        on_request: &[],
     }
 }
 

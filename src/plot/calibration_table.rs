@@ -1,0 +1,302 @@
+//! The calibration study as text: the sets checked, what they show of the paper's findings, and what the data identify.
+//!
+//! Tested in `tests/plots/calibration.rs`.
+
+use std::fmt::Write;
+
+use super::calibration::{InSea, RANKED, Search, Set, Study, symbol};
+use super::csv::{self, Cell};
+use super::table::NOTHING;
+use crate::numerics::elementary::exp;
+
+/// Place of Table 1's epsilon_1.
+const TABLE: usize = 1;
+/// NIC is close if it is within this share of the truth.
+const CLOSE: f64 = 0.15;
+
+/// A probability at Table 1's epsilon_1.
+fn at(p: &[f64]) -> f64 {
+    p.get(TABLE).copied().unwrap_or(f64::NAN)
+}
+
+/// In how many seas a finding holds, of all.
+fn share(set: &Set, holds: impl Fn(&InSea) -> bool) -> String {
+    format!(
+        "{}/{}",
+        set.seas.iter().filter(|sea| holds(sea)).count(),
+        set.seas.len()
+    )
+}
+
+/// P_true grows with epsilon_1.
+fn grows(sea: &InSea) -> bool {
+    sea.p_true.windows(2).all(|pair| pair[1] > pair[0])
+}
+
+/// CIC is at most half the truth.
+fn cic_below(sea: &InSea) -> bool {
+    2.0 * at(&sea.cic) <= at(&sea.p_true)
+}
+
+/// PIC is above the truth at epsilon_1 = 0.
+fn pic_above(sea: &InSea) -> bool {
+    sea.pic.first() > sea.p_true.first()
+}
+
+/// NIC is close to the truth.
+fn nic_close(sea: &InSea) -> bool {
+    (at(&sea.nic) / at(&sea.p_true) - 1.0).abs() <= CLOSE
+}
+
+/// calibration.csv: one line per set and sea; `spread_ratio` is to the first set.
+pub fn csv(study: &Study) -> String {
+    let mut rows = Vec::new();
+    for set in &study.sets {
+        for (i, sea) in set.seas.iter().enumerate() {
+            let value = |i: usize| Cell::from(set.values.get(i).copied());
+            let p = |p: &[f64], e: usize| Cell::from(p.get(e).copied());
+            rows.push([
+                Cell::from(set.name.as_str()),
+                set.reading.as_str().into(),
+                set.changes().into(),
+                set.size.into(),
+                set.misfit.into(),
+                value(0),
+                value(1),
+                value(2),
+                value(3),
+                value(4),
+                value(5),
+                sea.sea.as_str().into(),
+                sea.theta_t.into(),
+                sea.paper.into(),
+                p(&sea.p_true, TABLE),
+                sea.standard_error.into(),
+                p(&sea.p_true, 0),
+                p(&sea.p_true, 2),
+                p(&sea.cic, TABLE),
+                p(&sea.pic, TABLE),
+                p(&sea.nic, TABLE),
+                p(&sea.pic, 0),
+                sea.method_groups.into(),
+                sea.capsizes_per_field.into(),
+                sea.spread.into(),
+                ratio(study, set, i).into(),
+            ]);
+        }
+    }
+    csv::write(
+        [
+            "set",
+            "reading",
+            "changes",
+            "size",
+            "misfit",
+            "alpha_1",
+            "alpha_2",
+            "beta_1",
+            "beta_2",
+            "epsilon_1",
+            "epsilon_2",
+            "spectrum",
+            "theta_t",
+            "paper_p_true",
+            "p_true",
+            "p_true_se",
+            "p_true_without_epsilon_1",
+            "p_true_twice_epsilon_1",
+            "cic",
+            "pic",
+            "nic",
+            "pic_without_epsilon_1",
+            "method_groups",
+            "capsizes_per_field",
+            "spread",
+            "spread_ratio",
+        ],
+        rows,
+    )
+}
+
+/// calibration_searches.csv: one line per search.
+pub fn searches_csv(study: &Study) -> String {
+    let row = |it: &Search| {
+        [
+            Cell::from(it.reading.as_str()),
+            it.free.as_str().into(),
+            u64::from(it.changes).into(),
+            it.size.into(),
+            it.misfit.into(),
+            it.ranking.into(),
+            it.evaluations.into(),
+            it.accepted.into(),
+        ]
+    };
+    let head = [
+        "reading",
+        "free",
+        "changes",
+        "size",
+        "misfit",
+        "ranking",
+        "evaluations",
+        "accepted",
+    ];
+    csv::write(head, study.searches.iter().map(row))
+}
+
+/// Spread of a set in one sea, as a multiple of that of the first set.
+fn ratio(study: &Study, set: &Set, sea: usize) -> Option<f64> {
+    let first = study.sets.first()?.seas.get(sea)?.spread?;
+    (first > 0.0).then_some(set.seas[sea].spread? / first)
+}
+
+/// calibration.md.
+pub fn markdown(study: &Study) -> String {
+    let mut text = String::from(
+        "# Calibration study\n\nWhich coefficients of Eq. (6) give the P_true of Table 1, and the ranking of the methods in Figure 3? Sets are compared \
+        with the printed ship; changed numbers are bold. None of them is the authors'.\n\n",
+    );
+    sets(&mut text, study);
+    probabilities(&mut text, study);
+    identified(&mut text, study);
+    text
+}
+
+/// Coefficients, misfit and findings of every set.
+fn sets(text: &mut String, study: &Study) {
+    let names: Vec<String> = study.names.iter().map(|name| symbol(name)).collect();
+    let _ = writeln!(
+        text,
+        "| set | {} | changed | size | misfit | P grows with ε₁ | CIC ≤ ½ P | PIC > P at ε₁ = 0 | NIC within {:.0} % |",
+        names.join(" | "),
+        100.0 * CLOSE
+    );
+    let _ = writeln!(text, "|{}", "---|".repeat(names.len() + 8));
+    for set in &study.sets {
+        let value = |(value, changed): (&f64, &bool)| {
+            let value = csv_number(*value);
+            if *changed { format!("**{value}**") } else { value }
+        };
+        let values: Vec<String> = set.values.iter().zip(&set.changed).map(value).collect();
+        let _ = writeln!(
+            text,
+            "| {} | {} | {} | {:.2} | {:.2} | {} | {} | {} | {} |",
+            set.name,
+            values.join(" | "),
+            set.changes(),
+            set.size,
+            set.misfit,
+            share(set, grows),
+            share(set, cic_below),
+            share(set, pic_above),
+            share(set, nic_close),
+        );
+    }
+    let fields = study.sets.first().map_or(0, |set| set.fields);
+    let _ = writeln!(
+        text,
+        "\nAll on {fields} fields per sea that no search has seen. Size: sum of |ln(value/printed)|, a power of ten is 2.30. \
+         Misfit below {} agrees with Table 1 within the errors. Findings: number of seas in which they hold.\n",
+        study.accepted_below
+    );
+}
+
+fn csv_number(value: f64) -> String {
+    format!("{value:.4e}")
+        .parse::<f64>()
+        .map_or(NOTHING.to_owned(), |value| value.to_string().replace('-', "−"))
+}
+
+/// P_true, methods, capsizes and spread per sea.
+fn probabilities(text: &mut String, study: &Study) {
+    text.push_str("| set | sea | paper | P_true | CIC/P | PIC/P | NIC/P | P at ε₁ = 0, 2 ε₁ | capsizes a field | spread, rad (ratio) |\n|---|---|---|---|---|---|---|---|---|---|\n");
+    for set in &study.sets {
+        for (i, sea) in set.seas.iter().enumerate() {
+            let p = at(&sea.p_true);
+            let over = |other: &[f64]| {
+                if p > 0.0 {
+                    format!("{:.2}", at(other) / p)
+                } else {
+                    NOTHING.to_owned()
+                }
+            };
+            let other = |e: usize| sea.p_true.get(e).map_or(NOTHING.to_owned(), |p| format!("{p:.4}"));
+            let spread = sea.spread.map_or(NOTHING.to_owned(), |spread| {
+                let ratio = ratio(study, set, i).map_or(NOTHING.to_owned(), |ratio| format!("{ratio:.2}"));
+                format!("{spread:.3} ({ratio})")
+            });
+            let _ = writeln!(
+                text,
+                "| {} | {} | {:.4} | {p:.4} ± {:.4} | {} | {} | {} | {}, {} | {:.3} | {spread} |",
+                set.name,
+                sea.sea,
+                sea.paper,
+                sea.standard_error,
+                over(&sea.cic),
+                over(&sea.pic),
+                over(&sea.nic),
+                other(0),
+                other(2),
+                sea.capsizes_per_field,
+            );
+        }
+    }
+    text.push_str("\nSpread: scatter of the response about its mean given (L, A), near the threshold; ratio to the first set.\n\n");
+}
+
+/// What the data identify.
+fn identified(text: &mut String, study: &Study) {
+    let ranked = study.accepted.iter().filter(|(_, ranking)| *ranking < RANKED).count();
+    let evaluations = study.searches.iter().fold(0, |sum, it| sum + it.evaluations);
+    let _ = writeln!(
+        text,
+        "## What the data identify\n\n{} searches tried {evaluations} candidates; {} of them agree with Table 1 within the errors of \
+         the search, {ranked} of these keep the ranking too. The range of each coefficient among them, as a factor of the printed \
+         value:\n\n| coefficient | agreeing with Table 1 | keeping the ranking too |\n|---|---|---|",
+        study.searches.len(),
+        study.accepted.len()
+    );
+    for (i, name) in study.names.iter().enumerate() {
+        let factors = |ranked: bool| {
+            study.range(i, ranked).map_or(NOTHING.to_owned(), |(low, high)| {
+                format!("{:.3} to {:.3}", exp(low), exp(high))
+            })
+        };
+        let _ = writeln!(text, "| {} | {} | {} |", symbol(name), factors(false), factors(true));
+    }
+    let mut pairs: Vec<(f64, String)> = Vec::new();
+    for i in 0..study.names.len() {
+        for j in 0..i {
+            if let Some(c) = correlation(study, i, j) {
+                pairs.push((
+                    c,
+                    format!("{}, {}: {c:+.2}", symbol(&study.names[j]), symbol(&study.names[i])),
+                ));
+            }
+        }
+    }
+    pairs.sort_by(|p, q| q.0.abs().total_cmp(&p.0.abs()));
+    let strongest: Vec<&str> = pairs.iter().take(4).map(|(_, words)| words.as_str()).collect();
+    if !strongest.is_empty() {
+        let _ = writeln!(
+            text,
+            "\nThe strongest correlations of their logarithms: {}.",
+            strongest.join("; ")
+        );
+    }
+}
+
+/// Correlation of ln ratios among the trials that agree with Table 1; none if one of them does not vary.
+fn correlation(study: &Study, i: usize, j: usize) -> Option<f64> {
+    let n = study.accepted.len() as f64;
+    let mean = |i: usize| study.accepted.iter().fold(0.0, |sum, (x, _)| sum + x[i]) / n;
+    let (a, b) = (mean(i), mean(j));
+    let (mut aa, mut bb, mut ab) = (0.0, 0.0, 0.0);
+    for (x, _) in &study.accepted {
+        aa += (x[i] - a) * (x[i] - a);
+        bb += (x[j] - b) * (x[j] - b);
+        ab += (x[i] - a) * (x[j] - b);
+    }
+    (aa > 0.0 && bb > 0.0).then(|| ab / (aa * bb).sqrt())
+}

@@ -1,0 +1,40 @@
+//! Calibration study, §3: the best of the searches, polished by least squares, rounded, and rolled on fields that none of
+//! them has seen; with CIC, PIC, NIC, capsizes and the scatter about (L, A). One piece is one candidate.
+
+use std::sync::Arc;
+
+use crate::calibration::bench::Fields;
+use crate::calibration::choice::{Checked, Found, chosen};
+use crate::engine::arrow::{All, CaseOf, Cases, PiecesOf};
+use crate::engine::case::Axis;
+use crate::engine::error::Result;
+use crate::engine::stage::{Here, Pieces, Select, Stage};
+use crate::stages::axes::{SEA, SHIP};
+use crate::stages::calibration_fields::CalibrationFields;
+use crate::stages::calibration_search::{CalibrationSearch, Params};
+
+/// What of a candidate holds on other waves.
+pub struct CalibrationCheck;
+
+impl Stage for CalibrationCheck {
+    const NAME: &'static str = "calibration_check";
+    const PAPER: &'static str = "study";
+    const PIECES: Pieces = Pieces::Counted("calibration.checks");
+    const GATHERS: &'static [Axis] = &[SEA];
+    const SELECTS: &'static [Select] = &[Select::At(SHIP, "calibration.ship")];
+    const SCHEMA: &'static str = "calibration-check/1";
+    type Params = Params;
+    type Inputs = (All<CalibrationSearch>, Cases<CalibrationFields>);
+    type Output = Option<Checked>;
+
+    fn run(
+        p: &Params,
+        (searches, seas): (PiecesOf<'_, Found>, Vec<CaseOf<'_, Fields>>),
+        here: Here<'_>,
+    ) -> Result<Option<Checked>> {
+        let found: Vec<Arc<Found>> = searches.iter().collect::<Result<_>>()?;
+        let chosen = chosen(p.settings(), p.printed(), found.iter().map(Arc::as_ref), here.first);
+        let study = p.study(&seas)?;
+        Ok(chosen.map(|chosen| study.check(&chosen, &mut here.stream(here.first))))
+    }
+}

@@ -1,0 +1,144 @@
+//! Calibration study, §3: searches for coefficients that give Table 1's P_true and Figure 3's ranking, as near to the printed
+//! ones as may be. One piece is one search: a subset of coefficients, or another reading of the paper.
+
+use serde::{Deserialize, Serialize};
+
+use crate::calibration::bench::{Bench, Fields, Sea};
+use crate::calibration::choice::Found;
+use crate::calibration::methods::Layout;
+use crate::calibration::settings::{Settings, Target};
+use crate::calibration::study::Study;
+use crate::engine::arrow::{CaseOf, Cases};
+use crate::engine::case::Axis;
+use crate::engine::error::Result;
+use crate::engine::stage::{Here, Pieces, Select, Stage};
+use crate::sea::wave_field::Record;
+use crate::ship::initial_condition::{Estimate, Nic};
+use crate::ship::response::Truth;
+use crate::ship::roll_equation::Ship;
+use crate::stages::axes::{SEA, SHIP};
+use crate::stages::calibration_fields::CalibrationFields;
+
+/// Differential evolution over ln ratios to the printed coefficients.
+pub struct CalibrationSearch;
+
+/// Parameters of the search.
+#[derive(Serialize, Deserialize)]
+pub struct Params {
+    ship: Ship,
+    record: Record,
+    truth: Truth,
+    detection: Longest,
+    estimate: Estimate,
+    nic: Nic,
+    table1: Targets,
+    calibration: Settings,
+}
+
+/// The part of `[table1]` that a candidate has to meet.
+#[derive(Serialize, Deserialize)]
+pub struct Targets {
+    paper: Vec<Row>,
+}
+
+/// A row of Table 1 as the paper prints it.
+#[derive(Serialize, Deserialize)]
+struct Row {
+    sea: String,
+    theta_t: f64,
+    p_true: f64,
+    sequential_mean: f64,
+    sequential_std_percent: f64,
+    random_mean: f64,
+    random_std_percent: f64,
+}
+
+/// The part of `[detection]` that says how far past its field a segment may reach.
+#[derive(Serialize, Deserialize)]
+pub struct Longest {
+    /// Longest group, envelope samples.
+    longest: f64,
+}
+
+impl Stage for CalibrationSearch {
+    const NAME: &'static str = "calibration_search";
+    const PAPER: &'static str = "study";
+    const PIECES: Pieces = Pieces::Counted("calibration.searches");
+    const GATHERS: &'static [Axis] = &[SEA];
+    const SELECTS: &'static [Select] = &[Select::At(SHIP, "calibration.ship")];
+    const SCHEMA: &'static str = "calibration-search/1";
+    type Params = Params;
+    type Inputs = (Cases<CalibrationFields>,);
+    type Output = Found;
+
+    fn check(p: &Params) -> std::result::Result<(), String> {
+        p.check()
+    }
+
+    fn run(p: &Params, (seas,): (Vec<CaseOf<'_, Fields>>,), here: Here<'_>) -> Result<Found> {
+        let search = p.calibration.search(here.first);
+        Ok(p.study(&seas)?.search(search, &mut here.stream(here.first)))
+    }
+}
+
+impl Params {
+    /// The rules of a study.
+    ///
+    /// # Errors
+    /// The first one that does not hold.
+    pub fn check(&self) -> std::result::Result<(), String> {
+        if self.ship.epsilon_1.len() < 2 {
+            let found = self.ship.epsilon_1.len();
+            return Err(format!("ship.epsilon_1: expected at least 2 numbers, found {found}"));
+        }
+        self.ship.check().map_err(|why| format!("ship.{why}"))?;
+        self.truth.check().map_err(|why| format!("truth.{why}"))?;
+        self.calibration.check().map_err(|why| format!("calibration.{why}"))
+    }
+
+    /// The study on the fields of the seas that Table 1 names.
+    ///
+    /// # Errors
+    /// Fields that cannot be read.
+    pub fn study<'a>(&'a self, seas: &[CaseOf<'_, Fields>]) -> Result<Study<'a>> {
+        let mut bench = Bench {
+            printed: &self.ship,
+            record: &self.record,
+            truth: &self.truth,
+            longest: self.detection.longest,
+            seas: Vec::new(),
+        };
+        for case in seas {
+            let named = |row: &&Row| case.case.value(SEA) == Some(row.sea.as_str());
+            if let Some(row) = self.table1.paper.iter().find(named) {
+                let target = Target {
+                    sea: row.sea.clone(),
+                    theta_t: row.theta_t,
+                    p_true: row.p_true,
+                };
+                bench.seas.push(Sea {
+                    target,
+                    pieces: case.pieces.iter().collect::<Result<_>>()?,
+                });
+            }
+        }
+        Ok(Study {
+            bench,
+            settings: &self.calibration,
+            layout: Layout {
+                estimate: &self.estimate,
+                groups_ahead: self.nic.groups_ahead,
+            },
+        })
+    }
+
+    /// What is searched for.
+    pub fn settings(&self) -> &Settings {
+        &self.calibration
+    }
+
+    /// The ship that candidates are measured from.
+    pub fn printed(&self) -> &Ship {
+        &self.ship
+    }
+}
