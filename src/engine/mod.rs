@@ -67,6 +67,8 @@ pub mod gc;
 pub mod graph;
 mod history;
 pub mod id;
+pub mod idle;
+pub mod index;
 pub mod key;
 pub mod lock;
 mod manifest;

@@ -145,6 +145,11 @@ impl Store {
         found.map(|pending| pending.text.clone())
     }
 
+    /// The file of an id.
+    pub(crate) fn object(&self, id: &Id) -> PathBuf {
+        self.path("objects", &id.to_string(), "")
+    }
+
     /// Whether there is a file for an id; its bytes are verified when they are read.
     pub fn has(&self, id: &Id) -> bool {
         self.path("objects", &id.to_string(), "").is_file()
