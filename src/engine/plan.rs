@@ -227,7 +227,7 @@ impl<'g> Plan<'g> {
         let path = self.run.store.root().join("objects").join(&hex[..2]).join(&hex[2..]);
         let file = fs::read(path).map_err(|_| None)?;
         let schema = schema_number(self.run.graph.nodes[node].node.schema());
-        object::open(id, Some(schema), &file).map_err(Some)
+        object::open(id, Some(schema), file).map_err(Some)
     }
 
     /// Whether there is a record that some outcome of the unknown inputs would find.

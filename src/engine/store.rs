@@ -161,7 +161,7 @@ impl Store {
         let Ok(file) = self.disk.read(&path) else {
             return Found::Missing;
         };
-        match object::open(id, schema, &file) {
+        match object::open(id, schema, file) {
             Ok(payload) => Found::Bytes(payload),
             Err(why) => {
                 // A move that fails leaves the damaged file to be overwritten by the healed one.

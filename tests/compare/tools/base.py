@@ -23,7 +23,7 @@ class Tool:
 
     def ask_version(self):
         said = subprocess.run(self.version_command(), capture_output=True, text=True, check=True)
-        return (said.stdout + said.stderr).split("\n")[0].split()[-1]
+        return (said.stdout + said.stderr).split("\n")[0].split()[-1].split(".git")[0]
 
     def version_command(self):
         return [*self.command()[:1], "--version"]

@@ -1,5 +1,7 @@
 """GNU Make."""
 
+import subprocess
+
 from toy import INPUTS, OUTPUTS, STAGES
 from tools.base import Tool
 
@@ -8,8 +10,6 @@ class Make(Tool):
     name = "make"
 
     def ask_version(self):
-        import subprocess
-
         return subprocess.run(["make", "--version"], capture_output=True, text=True, check=True).stdout.split()[2]
 
     def command(self):

@@ -1,5 +1,7 @@
 """redun: the stages are Python tasks in one workflow file."""
 
+import subprocess
+
 from toy import NOTE, OUTPUTS, SOURCES, STAGES
 from tools.base import Tool
 
@@ -9,8 +11,6 @@ class Redun(Tool):
     source = "workflow.py"
 
     def ask_version(self):
-        import subprocess
-
         said = subprocess.run([self.bin / "redun", "--version"], capture_output=True, text=True, check=True)
         return (said.stdout + said.stderr).split("version")[-1].split()[0].strip()
 
