@@ -10,8 +10,7 @@ use serde_json::json;
 
 use crate::cli::interrupt::STOP;
 use crate::cli::progress::Progress;
-    same_bits()?;
-use crate::cli::{Common, Session, gc, print_json, say, status};
+use crate::cli::{Common, Session, gc, print_json, same_bits, say, status};
 use crate::engine::code;
 use crate::engine::error::{Error, Result};
 use crate::engine::event::Event;
@@ -95,13 +94,9 @@ fn execute(args: &RunArgs, session: &Session, store: &Store, listener: &(dyn Fn(
     if is_idle(args, session, store, listener, &index)? {
         return Ok(());
     }
-<<<<<<< HEAD
+    same_bits()?;
     publish::check_folder(&session.graph, SHIP, &session.ships, &session.figures)?;
     let run = Run::new(&session.graph, store, listener).until(&STOP);
-=======
-    same_bits()?;
-    let run = Run::new(&session.graph, store, listener);
->>>>>>> 6b2ea2f (idle: published files are compared in small steps, objects lose their header in place)
     let outcome = schedule::execute(&run, workers(args.j));
     if !matches!(outcome, Ok(()) | Err(Error::Failures(_))) {
         return outcome;

@@ -14,6 +14,7 @@ use crate::engine::index::{Belief, Index};
 use crate::engine::lock::Lock;
 use crate::engine::publish;
 use crate::engine::run::Run;
+use crate::engine::runs;
 
 /// What a run would leave behind.
 pub struct Traces<'a> {
@@ -35,6 +36,10 @@ pub fn is_idle(run: &Run<'_>, index: &Index, traces: &Traces<'_>) -> bool {
     let Some(lock) = lock_of(run, traces) else {
         return false;
     };
+    // Idle runs, too, keep what they used out of the reach of `gc`.
+    if runs::remember(run).is_err() {
+        return false;
+    }
     for node in &run.graph.nodes {
         for piece in 0..node.pieces.len() {
             let node = node.name();

@@ -1,8 +1,8 @@
 //! Index: key, id, length and stat of each object as last verified, in one file; never the truth.
 //!
 //! A run with nothing to do needs one look at each object instead of its record and its bytes. What the index says is
-//! believed for a whole graph or not at all ([`Index::believe`]): as soon as one piece is to be made, records decide anew,
-//! and every read for use verifies as ever. An object whose stat is not as noted, or that may have changed within the
+//! believed by a run for a whole graph or not at all ([`Index::believe`]): as soon as one piece is to be made, records decide
+//! anew, and every read for use verifies as ever. An object whose stat is not as noted, or that may have changed within the
 //! clock's grain after it was noted, is hashed again. An index that is gone, damaged or of another layout is empty, which
 //! costs the time to read the records and to hash the objects once. Tested in `tests/cache/index.rs`.
 //!
@@ -83,6 +83,21 @@ impl Index {
         let written = (number(&bytes, 8) as i64, number(&bytes, 16) as i64);
         let rows = bytes.split_off(HEAD);
         Some(Self { written, rows })
+    }
+
+    /// Whether nothing is known.
+    pub fn is_empty(&self) -> bool {
+        self.rows.is_empty()
+    }
+
+    /// Takes the id of a piece for known, if its object is as it was when it was verified.
+    pub(crate) fn hint(&self, run: &Run<'_>, node: usize, piece: usize) -> bool {
+        let row = run.key(node, piece).and_then(|key| self.row(&key));
+        let row = row.filter(|row| self.vouches_for(run, row));
+        if let Some(row) = &row {
+            run.suppose(node, piece, row.id, row.bytes);
+        }
+        row.is_some()
     }
 
     /// Decides a whole graph by the index. A damaged object found on the way is moved to `quarantine/`.

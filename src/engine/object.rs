@@ -113,7 +113,6 @@ fn header(id: &Id, schema: Option<u64>, header: &[u8; HEADER], length: u64) -> R
     if header[32..] != id.0 {
         return Err(NOT_ITS_NAME.to_owned());
     }
-<<<<<<< HEAD
     Ok(Header {
         codec,
         schema: found_schema,
@@ -132,7 +131,4 @@ fn fill(file: &mut impl Read, buffer: &mut [u8]) -> io::Result<usize> {
         }
     }
     Ok(filled)
-=======
-    Ok(())
->>>>>>> 6b2ea2f (idle: published files are compared in small steps, objects lose their header in place)
 }
