@@ -26,6 +26,7 @@ class Bench:
         self.folder = Path(tempfile.mkdtemp(prefix=f"{tool.name}-", dir=parent))
         self.log = self.folder.parent / f"{self.folder.name}.log"
         self.settings = {}
+        self.options = tool.cache_options if prepare else []
         toy.write(self.folder)
         tool.write(self.folder)
         if prepare:
@@ -41,7 +42,7 @@ class Bench:
         environment = dict(os.environ, TOY_LOG=str(self.log), NO_COLOR="1", **self.settings, **settings)
         environment["PATH"] = f"{self.tool.bin}{os.pathsep}{environment['PATH']}"
         return subprocess.Popen(
-            self.tool.command(),
+            [*self.tool.command(), *self.options],
             cwd=self.folder,
             env=environment,
             stdout=subprocess.PIPE,

@@ -6,6 +6,7 @@ from tools.base import Tool
 
 class Snakemake(Tool):
     name = "Snakemake"
+    cache_options = ["--cache"]
 
     def command(self):
         return [self.bin / "snakemake", "--cores", "2"]
