@@ -88,7 +88,7 @@ fn lock_of(run: &Run<'_>, traces: &Traces<'_>) -> Option<Lock> {
 fn holds(path: &Path, text: &str) -> io::Result<bool> {
     let mut file = File::open(path)?;
     let mut rest = text.as_bytes();
-    let mut buffer = [0; 1 << 15];
+    let mut buffer = [0; 1 << 14];
     loop {
         let length = file.read(&mut buffer)?;
         if length == 0 {

@@ -10,7 +10,7 @@
 //! of all before. A row: key (32), id (32), bytes u64, kept u64, size u64, mtime i64 i64, ctime i64 i64, inode u64.
 
 use std::collections::BTreeMap;
-use std::fs::{self, Metadata};
+use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::{SystemTime, UNIX_EPOCH};
 
@@ -234,13 +234,10 @@ impl Row {
 }
 
 impl Stat {
-    fn of(path: &Path) -> Option<Self> {
-        fs::metadata(path).ok().and_then(|found| Self::from(&found))
-    }
-
     #[cfg(unix)]
-    fn from(found: &Metadata) -> Option<Self> {
+    fn of(path: &Path) -> Option<Self> {
         use std::os::unix::fs::MetadataExt;
+        let found = fs::metadata(path).ok()?;
         Some(Self {
             size: found.len(),
             mtime: (found.mtime(), found.mtime_nsec()),
@@ -251,7 +248,7 @@ impl Stat {
 
     /// Without the time of a file's last change, which nobody can set, a stat proves nothing.
     #[cfg(not(unix))]
-    fn from(_: &Metadata) -> Option<Self> {
+    fn of(_: &Path) -> Option<Self> {
         None
     }
 }
