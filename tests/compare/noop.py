@@ -83,7 +83,7 @@ def of_tool(tool, parent):
             subprocess.run([tool.bin / "dvc", "init", "--no-scm", "--quiet"], cwd=folder, check=True)
         os.environ["PATH"] = f"{tool.bin}{os.pathsep}{os.environ['PATH']}"
         least(tool.command(), folder, 1)
-        cells.append(least(tool.command(), folder, 3 if tool.name in SMALL else 20))
+        cells.append(least(tool.command(), folder, 3 if tool.name in SMALL else 60))
     return cells
 
 
@@ -98,7 +98,7 @@ def ours(store, profile, *settings):
     said = json.loads(subprocess.run([*command, "--json"], cwd=ROOT, check=True, capture_output=True).stdout)
     if said["ran"]:
         raise RuntimeError(f"{len(said['ran'])} pieces ran where nothing was to do")
-    return said["reused"], least(command, ROOT, 20), least([BINARY, "status", *options], ROOT, 20)
+    return said["reused"], least(command, ROOT, 60), least([BINARY, "status", *options], ROOT, 60)
 
 
 def of_ours(parent):
