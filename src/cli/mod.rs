@@ -236,7 +236,7 @@ pub fn main() -> ExitCode {
 
 fn act(verb: &Verb) -> Result<()> {
     match verb {
-        Verb::Run(args) => same_bits().and_then(|()| run::run(args)),
+        Verb::Run(args) => run::run(args),
         Verb::Status(args) => status::status(args),
         Verb::Why(args) => why::why(args),
         Verb::Show(args) => show::show(args),

@@ -37,13 +37,16 @@
 //! Outputs marked [`Keep::Evict`](crate::engine::stage::Keep) are hashed and recorded but not written; when a reader needs
 //! one and it has left memory, it is made again and checked. What `gc` took to make room is treated alike.
 //!
+//! `index` holds key, id and stat of each object as last verified: with it a run finds quickly that it has nothing to do, and
+//! `status` that a piece is cached. It decides nothing else, and may be deleted.
+//!
 //! Before a run, a plan says of each piece: cached; will run; may run, if an input comes out changed. `why` compares what a
 //! piece would be made from with the nearest record of it (fewest differences, of those the latest, so that another
 //! profile in the same store explains nothing) and walks the inputs to the root changes. A record from before parts were
 //! kept is a hit like any other; what it cannot tell is said to be unrecorded.
 //!
 //! Order of reading: `stage`, `arrow`, `node`; `case`, `params`, `pipeline`, `graph`; `key`, `code`, `run`, `schedule`,
-//! `queue`; `store`, `disk`, `flight`, `object`, `record`, `parts`; `lock`, `verify`, `audit`, `rebuild`, `difference`,
+//! `queue`; `store`, `disk`, `flight`, `object`, `record`, `parts`, `index`, `idle`; `lock`, `verify`, `audit`, `rebuild`, `difference`,
 //! `publish`, `runs`, `gc`; `plan`, `history`, `compare`, `explain`, `why`; `revision`, `versions`; `chart`; `stop`.
 
 pub mod arrow;
@@ -67,6 +70,8 @@ pub mod gc;
 pub mod graph;
 mod history;
 pub mod id;
+pub mod idle;
+pub mod index;
 pub mod key;
 pub mod lock;
 mod manifest;

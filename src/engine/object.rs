@@ -30,11 +30,11 @@ struct Header {
     schema: u64,
 }
 
-/// The payload of an object file that is what its name says.
+/// Verifies an object file in memory.
 ///
 /// # Errors
 /// What is wrong with the bytes.
-pub(crate) fn open(id: &Id, schema: Option<u64>, file: &[u8]) -> Result<Vec<u8>, String> {
+pub(crate) fn verify(id: &Id, schema: Option<u64>, file: &[u8]) -> Result<(), String> {
     let Some((head, payload)) = file.split_first_chunk::<HEADER>() else {
         return Err(too_short(file.len()));
     };
@@ -42,7 +42,13 @@ pub(crate) fn open(id: &Id, schema: Option<u64>, file: &[u8]) -> Result<Vec<u8>,
     if Id::of(header.codec, header.schema, payload) != *id {
         return Err(NOT_ITS_NAME.to_owned());
     }
-    Ok(payload.to_vec())
+    Ok(())
+}
+
+/// The payload of a verified object file, in the memory of the file.
+pub(crate) fn payload(mut file: Vec<u8>) -> Vec<u8> {
+    file.drain(..HEADER);
+    file
 }
 
 /// Verifies an object file without holding it in memory; gives the number of its bytes.

@@ -15,13 +15,14 @@ use crate::engine::explain::{Told, tell};
 use crate::engine::graph::Graph;
 use crate::engine::history::{History, has_record_file};
 use crate::engine::id::{Id, schema_number};
+use crate::engine::index::Index;
 use crate::engine::key::KEY_SCHEMA;
 use crate::engine::object;
 use crate::engine::reason::Reason;
 use crate::engine::record::Record;
 use crate::engine::run::{Decision, Listener, Run};
 use crate::engine::stage::Keep;
-use crate::engine::store::{Store, path_in};
+use crate::engine::store::Store;
 
 /// What a run would do with one node.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -101,8 +102,8 @@ pub struct Plan<'g> {
 }
 
 impl<'g> Plan<'g> {
-    /// Decides every piece of a graph. Outputs of published nodes and those of `verified` ones are read and verified;
-    /// for the others there is only a look whether they are there.
+    /// Decides every piece of a graph. Outputs of `verified` nodes are read and verified, and so are those of published
+    /// ones, and of all where there is an index, that are not as the index last saw them verified.
     pub fn new(graph: &'g Graph, store: &'g Store, verified: &[usize]) -> Self {
         const SILENT: &Listener<'static> = &|_| {};
         let mut plan = Self {
@@ -112,12 +113,16 @@ impl<'g> Plan<'g> {
             history: OnceCell::new(),
             told: graph.nodes.iter().map(|_| OnceCell::new()).collect(),
         };
+        let index = Index::read(store.root());
         for (node, it) in graph.nodes.iter().enumerate() {
             plan.present.push(Present::new(&plan.run, node));
-            let verify = it.node.is_published() || verified.contains(&node);
-            let states = (0..it.pieces.len())
-                .map(|piece| plan.state(node, piece, verify))
-                .collect();
+            let in_doubt = it.node.is_published() || !index.is_empty();
+            let state = |piece| {
+                let is_vouched_for = index.hint(&plan.run, node, piece);
+                let verify = verified.contains(&node) || (in_doubt && !is_vouched_for);
+                plan.state(node, piece, verify)
+            };
+            let states = (0..it.pieces.len()).map(state).collect();
             plan.states.push(states);
         }
         plan.find_needed();
@@ -223,11 +228,10 @@ impl<'g> Plan<'g> {
 
     /// Verified bytes of an object, which stays where it is; else what is wrong with it, or nothing if it is not there.
     fn look(&self, node: usize, id: &Id) -> Result<Vec<u8>, Option<String>> {
-        let hex = id.to_string();
-        let path = path_in(self.run.store.root(), "objects", &hex, "");
-        let file = read_regular(&path).map_err(|_| None)?;
+        let file = read_regular(&self.run.store.object(id)).map_err(|_| None)?;
         let schema = schema_number(self.run.graph.nodes[node].node.schema());
-        object::open(id, Some(schema), &file).map_err(Some)
+        object::verify(id, Some(schema), &file).map_err(Some)?;
+        Ok(object::payload(file))
     }
 
     /// Whether there is a record that some outcome of the unknown inputs would find.

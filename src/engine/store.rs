@@ -146,6 +146,11 @@ impl Store {
         found.map(|pending| pending.text.clone())
     }
 
+    /// The file of an id.
+    pub(crate) fn object(&self, id: &Id) -> PathBuf {
+        self.path("objects", &id.to_string(), "")
+    }
+
     /// Whether there is a file for an id; its bytes are verified when they are read.
     pub fn has(&self, id: &Id) -> bool {
         self.path("objects", &id.to_string(), "").is_file()
@@ -153,12 +158,12 @@ impl Store {
 
     /// Reads and verifies an object.
     pub(crate) fn read(&self, id: &Id, schema: Option<u64>) -> Found {
-        let path = self.path("objects", &id.to_string(), "");
+        let path = self.object(id);
         let opened = match self.disk.read(&path) {
-            Ok(file) => match object::open(id, schema, &file) {
-                Ok(payload) => return Found::Bytes(payload),
+            Ok(file) => match object::verify(id, schema, &file) {
+                Ok(()) => return Found::Bytes(object::payload(file)),
                 // Sound, but of another type than asked for: the one who asked is wrong.
-                Err(why) if object::open(id, None, &file).is_ok() => return Found::Damaged(why),
+                Err(why) if object::verify(id, None, &file).is_ok() => return Found::Damaged(why),
                 Err(why) => why,
             },
             Err(why) if why.kind() == ErrorKind::InvalidData => why.to_string(),

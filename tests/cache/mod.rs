@@ -5,6 +5,7 @@ mod chart;
 mod difference;
 mod gc;
 mod hits;
+mod index;
 mod locks;
 mod params;
 mod pieces;

@@ -1,0 +1,7 @@
+//! Benchmarks: one file per question.
+
+mod noop;
+
+fn main() {
+    divan::main();
+}
