@@ -1,12 +1,21 @@
 //! Index: key, id, length and stat of each object as last verified, in one file; never the truth.
 //!
 //! A run with nothing to do needs one look at each object instead of its record and its bytes. What the index says is
-//! believed by a run for a whole graph or not at all ([`Index::believe`]): as soon as one piece is to be made, records decide
-//! anew, and every read for use verifies as ever. An object whose stat is not as noted, or that may have changed within the
-//! clock's grain after it was noted, is hashed again. An index that is gone, damaged or of another layout is empty, which
-//! costs the time to read the records and to hash the objects once. Tested in `tests/cache/index.rs`.
+//! believed by a run for a whole graph or not at all ([`Index::believe`]): as soon as one piece is to be made or healed,
+//! records decide anew, and every read for use verifies as ever.
 //!
-//! On disk, little endian: magic `ENCINDX1` | seconds i64 and nanoseconds i64 of its writing | rows, sorted by key | BLAKE3
+//! | what happened to an object | is seen because |
+//! |---|---|
+//! | written, cut, moved, replaced | size, mtime, ctime or inode differ: it is hashed again |
+//! | the same, size and mtime put back | nobody can set ctime |
+//! | the same, within one tick of the clock | ctime less than 2 s before the verifying began is not believed (racy) |
+//! | deleted | there is no stat |
+//! | bytes rotted on the medium under an equal stat | not here: at the next read, or by `verify --store`, which reads all |
+//!
+//! An index that is gone, damaged or of another layout is empty, which costs the time to read the records and to hash the
+//! objects once. Tested in `tests/cache/index.rs`.
+//!
+//! On disk, little endian: magic `ENCINDX1` | seconds i64 and nanoseconds i64 when verifying began | rows, sorted by key | BLAKE3
 //! of all before. A row: key (32), id (32), bytes u64, kept u64, size u64, mtime i64 i64, ctime i64 i64, inode u64.
 
 use std::collections::BTreeMap;
@@ -15,6 +24,7 @@ use std::path::{Path, PathBuf};
 use std::time::{SystemTime, UNIX_EPOCH};
 
 use crate::engine::error::Result;
+use crate::engine::history::has_record_file;
 use crate::engine::id::{Id, Key};
 use crate::engine::run::Run;
 use crate::engine::store::Found;
@@ -25,14 +35,14 @@ const ROW: usize = 128;
 const CHECK: usize = 32;
 /// Rows of other graphs that are kept: several profiles share a store.
 const MOST: usize = 20_000;
-/// An object that changed so shortly before the index was written, seconds, is hashed again.
+/// An object that changed so shortly before it was verified, seconds, may have changed after it under the same time.
 const GRAIN: i64 = 2;
 
 /// What the last runs verified.
 #[derive(Default)]
 pub struct Index {
-    /// Seconds and nanoseconds since 1970.
-    written: (i64, i64),
+    /// When the last run began to verify, seconds and nanoseconds since 1970.
+    begun: (i64, i64),
     rows: Vec<u8>,
 }
 
@@ -41,7 +51,7 @@ struct Row {
     key: Key,
     id: Id,
     bytes: u64,
-    /// None if the bytes were left out of the store.
+    /// None if the bytes are not in the store and nobody needed them.
     stat: Option<Stat>,
 }
 
@@ -80,9 +90,9 @@ impl Index {
         if blake3::hash(&bytes).as_bytes() != check.as_slice() {
             return None;
         }
-        let written = (number(&bytes, 8) as i64, number(&bytes, 16) as i64);
+        let begun = (number(&bytes, 8) as i64, number(&bytes, 16) as i64);
         let rows = bytes.split_off(HEAD);
-        Some(Self { written, rows })
+        Some(Self { begun, rows })
     }
 
     /// Whether nothing is known.
@@ -100,7 +110,7 @@ impl Index {
         row.is_some()
     }
 
-    /// Decides a whole graph by the index. A damaged object found on the way is moved to `quarantine/`.
+    /// Decides a whole graph by the index; nothing is moved or made.
     pub fn believe(&self, run: &Run<'_>) -> Belief {
         let mut belief = Belief::All { rehashed: false };
         for (node, it) in run.graph.nodes.iter().enumerate() {
@@ -113,7 +123,7 @@ impl Index {
                 // Made again, a lost output must have the same id: what reads it can be looked at all the same.
                 run.suppose(node, piece, row.id, row.bytes);
                 if !self.vouches_for(run, &row) {
-                    match (run.store.read(&row.id, None), &mut belief) {
+                    match (run.store.peek(&row.id, None), &mut belief) {
                         (Found::Bytes(_), Belief::All { rehashed }) => *rehashed = true,
                         (Found::Bytes(_), Belief::Not) => {}
                         _ => belief = Belief::Not,
@@ -124,13 +134,19 @@ impl Index {
         belief
     }
 
-    /// Whether the object of a row is as it was when it was verified.
+    /// Whether the object of a row is as it was when it was verified; one that was not there, whether it still is not, and
+    /// its record is.
     fn vouches_for(&self, run: &Run<'_>, row: &Row) -> bool {
-        row.stat.as_ref().is_none_or(|noted| {
-            let since = (self.written.0.saturating_sub(GRAIN), self.written.1);
-            let is_old = noted.ctime < since && noted.mtime < since;
-            is_old && Stat::of(&run.store.object(&row.id)).as_ref() == Some(noted)
-        })
+        match &row.stat {
+            Some(noted) => self.is_calm(noted) && Stat::of(&run.store.object(&row.id)).as_ref() == Some(noted),
+            None => has_record_file(run.store, &row.key) && !run.store.has(&row.id),
+        }
+    }
+
+    /// Whether nothing can have changed under the noted times after it was verified.
+    fn is_calm(&self, noted: &Stat) -> bool {
+        let since = (self.begun.0.saturating_sub(GRAIN), self.begun.1);
+        noted.ctime < since && noted.mtime < since
     }
 
     /// Writes the index anew after a run: its own pieces, and what is known of others. Objects that nobody has verified
@@ -139,6 +155,7 @@ impl Index {
     /// # Errors
     /// An object that cannot be made again, an index that cannot be written.
     pub fn renew(&self, run: &Run<'_>) -> Result<()> {
+        let begun = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
         let mut rows = BTreeMap::new();
         for (node, it) in run.graph.nodes.iter().enumerate() {
             for piece in 0..it.pieces.len() {
@@ -148,14 +165,15 @@ impl Index {
             }
         }
         for old in self.rows.chunks_exact(ROW) {
-            if rows.len() < MOST {
+            // What was not to be believed must not come to be by a later time at the head.
+            let is_calm = Row::decoded(old).stat.is_none_or(|noted| self.is_calm(&noted));
+            if is_calm && rows.len() < MOST {
                 rows.entry(key_of(old)).or_insert_with(|| old.to_vec());
             }
         }
-        let now = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
         let mut bytes = MAGIC.to_vec();
-        bytes.extend((now.as_secs() as i64).to_le_bytes());
-        bytes.extend(i64::from(now.subsec_nanos()).to_le_bytes());
+        bytes.extend((begun.as_secs() as i64).to_le_bytes());
+        bytes.extend(i64::from(begun.subsec_nanos()).to_le_bytes());
         bytes.extend(rows.into_values().flatten());
         bytes.extend(blake3::hash(&bytes).as_bytes());
         run.store.write(&file(run.store.root()), &bytes, false)
@@ -173,11 +191,13 @@ impl Index {
             return Ok(None);
         };
         let bytes = record.bytes;
-        let path = run.store.object(&id);
-        let stat = Stat::of(&path);
-        if stat.is_none() && record.evicted {
+        // One that is gone was evicted, or deleted while nobody needed it.
+        if !run.store.has(&id) {
+            let stat = None;
             return Ok(Some(Row { key, id, bytes, stat }));
         }
+        let path = run.store.object(&id);
+        let stat = Stat::of(&path);
         run.bytes(node, piece)?;
         // One that was healed is another file now.
         let same = stat.is_some() && Stat::of(&path) == stat;

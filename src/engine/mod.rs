@@ -66,6 +66,7 @@ pub mod event;
 mod explain;
 mod fields;
 mod flight;
+mod finite;
 pub mod gc;
 pub mod graph;
 mod history;

@@ -10,19 +10,16 @@ use serde::Serialize;
 
 use crate::engine::arrow::Kind;
 use crate::engine::compare::{Present, inputs};
-use crate::engine::disk::read_regular;
 use crate::engine::explain::{Told, tell};
 use crate::engine::graph::Graph;
 use crate::engine::history::{History, has_record_file};
 use crate::engine::id::{Id, schema_number};
 use crate::engine::index::Index;
 use crate::engine::key::KEY_SCHEMA;
-use crate::engine::object;
 use crate::engine::reason::Reason;
 use crate::engine::record::Record;
 use crate::engine::run::{Decision, Listener, Run};
-use crate::engine::stage::Keep;
-use crate::engine::store::Store;
+use crate::engine::store::{Found, Store};
 
 /// What a run would do with one node.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -163,8 +160,10 @@ impl<'g> Plan<'g> {
     /// The published texts of a node that is cached, without healing anything.
     pub fn published(&self, node: usize) -> Option<BTreeMap<String, String>> {
         let it = &self.run.graph.nodes[node];
-        let id = self.run.id(node, 0)?;
-        it.node.published(&self.look(node, &id).ok()?).ok()
+        match self.look(node, &self.run.id(node, 0)?) {
+            Found::Bytes(bytes) => it.node.published(&bytes).ok(),
+            Found::Missing | Found::Damaged(_) => None,
+        }
     }
 
     pub(crate) fn history(&self) -> &History<'g> {
@@ -198,11 +197,11 @@ impl<'g> Plan<'g> {
         match self.run.decide(node, piece) {
             Decision::Cached if !verify => State::Cached,
             Decision::Cached => match self.run.id(node, piece).map(|id| self.look(node, &id)) {
-                Some(Err(Some(why))) => State::WillRun(Cause::Damaged(format!("object damaged: {why}"))),
+                Some(Found::Damaged(why)) => State::WillRun(Cause::Damaged(format!("object damaged: {why}"))),
                 _ => State::Cached,
             },
             Decision::WillRun(key) => match self.run.store.record(&key) {
-                Some(record) => State::WillRun(self.lost(node, piece, &record)),
+                Some(record) => self.lost(node, piece, &record),
                 None if has_record_file(self.run.store, &key) => {
                     State::WillRun(Cause::Damaged("record damaged".to_owned()))
                 }
@@ -213,25 +212,26 @@ impl<'g> Plan<'g> {
         }
     }
 
-    /// A record without its object: made again, it must have its id, so nothing below needs to run for it.
-    fn lost(&self, node: usize, piece: usize, record: &Record) -> Cause {
+    /// A record without its object: made again, it must have its id, so nothing below needs to run for it, nor it itself
+    /// until somebody needs it. What is published is always read; what was damaged is healed at once.
+    fn lost(&self, node: usize, piece: usize, record: &Record) -> State {
         if let Some(id) = Id::parse(&record.id) {
             self.run.suppose(node, piece, id, record.bytes);
         }
-        let quarantined = self.run.store.root().join("quarantine").join(&record.id);
-        if quarantined.exists() {
-            Cause::Damaged("object damaged: it lies in quarantine".to_owned())
+        if self.run.store.root().join("quarantine").join(&record.id).exists() {
+            let what = "object damaged: it lies in quarantine".to_owned();
+            State::WillRun(Cause::Damaged(what))
+        } else if self.run.graph.nodes[node].node.is_published() {
+            State::WillRun(Cause::Missing)
         } else {
-            Cause::Missing
+            State::Cached
         }
     }
 
-    /// Verified bytes of an object, which stays where it is; else what is wrong with it, or nothing if it is not there.
-    fn look(&self, node: usize, id: &Id) -> Result<Vec<u8>, Option<String>> {
-        let file = read_regular(&self.run.store.object(id)).map_err(|_| None)?;
+    /// What is at hand of an object, which stays where it is.
+    fn look(&self, node: usize, id: &Id) -> Found {
         let schema = schema_number(self.run.graph.nodes[node].node.schema());
-        object::verify(id, Some(schema), &file).map_err(Some)?;
-        Ok(object::payload(file))
+        self.run.store.peek(id, Some(schema))
     }
 
     /// Whether there is a record that some outcome of the unknown inputs would find.
@@ -267,46 +267,75 @@ impl<'g> Plan<'g> {
             .any(fits)
     }
 
-    /// Marks evicted outputs that a piece which will or may run reads; from below, since they may need others.
+    /// Marks outputs whose bytes are gone and that a piece which will or may run reads; from below, since they may need
+    /// others.
     fn find_needed(&mut self) {
         for node in (0..self.states.len()).rev() {
             for link in &self.run.graph.nodes[node].links {
                 for up in &link.upstream {
-                    if self.run.graph.nodes[*up].node.keep() == Keep::Evict {
-                        self.need(node, *up, link.kind == Kind::Each);
-                    }
+                    self.need(node, *up, link.kind == Kind::Each);
                 }
             }
         }
     }
 
     fn need(&mut self, reader: usize, up: usize, each: bool) {
-        let needed = |state: &State| match state {
-            State::Cached => None,
-            State::WillRun(_) => Some(State::WillRun(Cause::Needed(reader))),
-            State::MayRun(_) => Some(State::MayRun(Cause::Needed(reader))),
+        let strength = |state: &State| match state {
+            State::Cached => 0,
+            State::MayRun(_) => 1,
+            State::WillRun(_) => 2,
         };
-        let strongest = |states: &[State]| {
-            let will = states.iter().find(|state| matches!(state, State::WillRun(_)));
-            will.or_else(|| states.iter().find(|state| **state != State::Cached))
-                .and_then(needed)
-        };
-        let whole = strongest(&self.states[reader]);
+        let whole = self.states[reader].iter().map(strength).max().unwrap_or(0);
         for piece in 0..self.states[up].len() {
             let wanted = if each {
-                needed(&self.states[reader][piece])
+                strength(&self.states[reader][piece])
             } else {
-                whole.clone()
+                whole
             };
-            let Some(wanted) = wanted else { continue };
-            let stronger = match &self.states[up][piece] {
-                State::Cached => self.run.id(up, piece).is_some_and(|id| !self.run.store.has(&id)),
-                State::MayRun(Cause::Needed(_)) => matches!(wanted, State::WillRun(_)),
+            let is_stronger = match &self.states[up][piece] {
+                State::Cached => wanted > 0 && self.run.id(up, piece).is_some_and(|id| !self.run.store.has(&id)),
+                State::MayRun(Cause::Needed(_) | Cause::Missing) => wanted > 1,
                 _ => false,
             };
-            if stronger {
-                self.states[up][piece] = wanted;
+            if is_stronger {
+                let cause = self.absence(up, piece, reader);
+                self.states[up][piece] = if wanted > 1 {
+                    State::WillRun(cause)
+                } else {
+                    State::MayRun(cause)
+                };
             }
+        }
+    }
+
+    /// Why the bytes of a piece that a reader needs are not there.
+    fn absence(&self, node: usize, piece: usize, reader: usize) -> Cause {
+        let record = self.run.key(node, piece).and_then(|key| self.run.store.record(&key));
+        if record.is_some_and(|record| record.evicted) {
+            Cause::Needed(reader)
+        } else {
+            Cause::Missing
+        }
+    }
+}
+
+/// Takes for known what the plan of a run leaves alone though its bytes are gone: they were deleted by hand, and are made
+/// again when somebody needs them, like those that garbage collection took.
+pub(crate) fn leave_what_nobody_needs(run: &Run<'_>) {
+    let pieces = |node: usize| 0..run.graph.nodes[node].pieces.len();
+    let all = || (0..run.graph.nodes.len()).flat_map(|node| pieces(node).map(move |piece| (node, piece)));
+    let is_lost = |(node, piece): (usize, usize)| match run.decide(node, piece) {
+        Decision::WillRun(key) => run.store.record(&key).is_some(),
+        Decision::Cached | Decision::MayRun => false,
+    };
+    // Every one is decided, so that the run need not.
+    if all().filter(|it| is_lost(*it)).count() == 0 {
+        return;
+    }
+    let plan = Plan::new(run.graph, run.store, &[]);
+    for (node, piece) in all().filter(|(node, piece)| plan.states[*node][*piece] == State::Cached) {
+        if let (Some(id), Some(bytes)) = (plan.run.id(node, piece), plan.run.bytes_of(node, piece)) {
+            run.suppose(node, piece, id, bytes);
         }
     }
 }

@@ -96,13 +96,18 @@ impl<'g> Run<'g> {
         self.known[node][piece].get().map(|(id, _)| *id)
     }
 
+    /// The length of a piece's output in bytes, once it is known.
+    pub(crate) fn bytes_of(&self, node: usize, piece: usize) -> Option<u64> {
+        self.known[node][piece].get().map(|(_, bytes)| *bytes)
+    }
+
     /// The length of a node's output in bytes, over all pieces, once all are known.
     pub fn bytes_of_node(&self, node: usize) -> Option<u64> {
-        let lengths: Option<Vec<u64>> = self.known[node]
-            .iter()
-            .map(|known| known.get().map(|(_, bytes)| *bytes))
+        let lengths: Option<Vec<u64>> = (0..self.known[node].len())
+            .map(|piece| self.bytes_of(node, piece))
             .collect();
-        Some(lengths?.iter().sum())
+        // What a forged record says of its length need not add up.
+        Some(lengths?.into_iter().fold(0, u64::saturating_add))
     }
 
     /// The content of a node: the id of its only piece, or of the list of its pieces' ids.

@@ -9,6 +9,7 @@ use std::time::Duration;
 use crate::engine::error::{Error, Result};
 use crate::engine::event::Event;
 use crate::engine::flight::Hold;
+use crate::engine::plan::leave_what_nobody_needs;
 use crate::engine::queue::{Queue, Turn};
 use crate::engine::run::{Decision, Run};
 use crate::engine::runs;
@@ -28,6 +29,7 @@ pub fn execute(run: &Run<'_>, workers: usize) -> Result<()> {
         .map(|node| (node.name(), node.pieces.len()))
         .collect();
     run.tell(&Event::DidPlan { nodes });
+    leave_what_nobody_needs(run);
     let queue = Queue::new(run.graph);
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(workers)

@@ -56,7 +56,7 @@ pub(crate) enum Found {
     Bytes(Vec<u8>),
     /// No such object.
     Missing,
-    /// Bytes that are not what their name says; they were moved to `quarantine/`.
+    /// Bytes that are not what their name says.
     Damaged(String),
 }
 
@@ -153,27 +153,32 @@ impl Store {
 
     /// Whether there is a file for an id; its bytes are verified when they are read.
     pub fn has(&self, id: &Id) -> bool {
-        self.path("objects", &id.to_string(), "").is_file()
+        self.object(id).is_file()
     }
 
-    /// Reads and verifies an object.
+    /// Reads and verifies an object; a damaged one is moved to `quarantine/`.
     pub(crate) fn read(&self, id: &Id, schema: Option<u64>) -> Found {
-        let path = self.object(id);
-        let opened = match self.disk.read(&path) {
+        let found = self.peek(id, schema);
+        // Sound, but of another type than asked for: the one who asked is wrong.
+        if matches!(found, Found::Damaged(_)) && !matches!(self.peek(id, None), Found::Bytes(_)) {
+            // A move that fails leaves the damaged file to be overwritten by the healed one.
+            let _ = self
+                .disk
+                .rename(&self.object(id), &self.root.join("quarantine").join(id.to_string()));
+        }
+        found
+    }
+
+    /// The same, leaving everything where it is.
+    pub(crate) fn peek(&self, id: &Id, schema: Option<u64>) -> Found {
+        match self.disk.read(&self.object(id)) {
             Ok(file) => match object::verify(id, schema, &file) {
-                Ok(()) => return Found::Bytes(object::payload(file)),
-                // Sound, but of another type than asked for: the one who asked is wrong.
-                Err(why) if object::verify(id, None, &file).is_ok() => return Found::Damaged(why),
-                Err(why) => why,
+                Ok(()) => Found::Bytes(object::payload(file)),
+                Err(why) => Found::Damaged(why),
             },
-            Err(why) if why.kind() == ErrorKind::InvalidData => why.to_string(),
-            Err(_) => return Found::Missing,
-        };
-        // A move that fails leaves the damaged file to be overwritten by the healed one.
-        let _ = self
-            .disk
-            .rename(&path, &self.root.join("quarantine").join(id.to_string()));
-        Found::Damaged(opened)
+            Err(why) if why.kind() == ErrorKind::InvalidData => Found::Damaged(why.to_string()),
+            Err(_) => Found::Missing,
+        }
     }
 
     /// Publishes an output: the object first, the record last, both synchronised before they count. The lock on its key
@@ -186,7 +191,7 @@ impl Store {
         let object = if record.evicted {
             None
         } else {
-            let path = self.path("objects", &id.to_string(), "");
+            let path = self.object(&id);
             // Equal bytes under another key: what a record may already rest on is not torn open again.
             if !self.disk.read(&path).is_ok_and(|old| old == file) {
                 self.put(lock.as_ref(), &path, &file, false)?;
@@ -215,7 +220,7 @@ impl Store {
 
     /// Puts back the file of an object that was lost or damaged.
     pub(crate) fn restore(&self, id: &Id, file: &[u8], lock: Option<&KeyLock>) -> Result<()> {
-        self.put(lock, &self.path("objects", &id.to_string(), ""), file, true)
+        self.put(lock, &self.object(id), file, true)
     }
 
     /// Synchronises what waits, if any of it has waited long enough.

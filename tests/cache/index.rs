@@ -123,7 +123,9 @@ fn a_flipped_bit_under_restored_times_is_seen() {
         .expect("the object can be opened");
     file.set_modified(times).expect("times can be set back");
     assert_eq!(believe(&house), Belief::Not);
-    house.run().expect_success();
+    // A look moves nothing; the run that follows heals what nobody reads, too.
+    assert!(object.is_file());
+    run_and_note(&house);
     assert_eq!(fs::read(&object).expect("the object is there"), good);
 }
 
