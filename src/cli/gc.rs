@@ -53,6 +53,10 @@ fn size(text: &str) -> std::result::Result<u64, String> {
 /// # Errors
 /// A damaged lock, or a file that cannot be removed.
 pub fn gc(args: &GcArgs) -> Result<()> {
+    if args.common.is_custom() {
+        // They say nothing to `gc`; a mistyped one is told as by every verb.
+        args.common.open(&[])?;
+    }
     let root = args.common.store_folder()?;
     if !root.exists() {
         tell(args, &Sweep::default());

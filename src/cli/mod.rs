@@ -12,10 +12,10 @@ pub mod verify;
 pub mod why;
 mod words;
 
-use std::io::Write;
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
@@ -191,8 +191,14 @@ impl Session {
         Store::open_on(&self.store, Arc::new(System), &wait_for_gc).map(told_of_locks)
     }
 
-    fn look_at_store(&self) -> Store {
-        told_of_locks(Store::look_on(&self.store, Arc::new(System), &wait_for_gc))
+    /// The store, which need not be there, for reading.
+    fn look_at_store(&self) -> Result<Store> {
+        if self.store.exists() && !self.store.is_dir() {
+            let why = io::ErrorKind::NotADirectory.into();
+            return Err(Error::io("look into the store", &self.store)(why));
+        }
+        let store = Store::look_on(&self.store, Arc::new(System), &wait_for_gc);
+        Ok(told_of_locks(store))
     }
 }
 
@@ -213,7 +219,25 @@ fn wait_for_gc() {
 
 /// Prints a line; a reader that has gone, such as `head`, is no error.
 fn say(line: std::fmt::Arguments<'_>) {
-    let _ = writeln!(std::io::stdout(), "{line}");
+    note(writeln!(std::io::stdout(), "{}", words::plain(&line.to_string())));
+}
+
+/// Why not all of the answer could be printed.
+static UNSAID: Mutex<Option<io::Error>> = Mutex::new(None);
+
+fn note(outcome: io::Result<()>) {
+    if let Err(why) = outcome
+        && why.kind() != io::ErrorKind::BrokenPipe
+    {
+        UNSAID.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(why);
+    }
+}
+
+/// An error if not all of the answer could be printed, as on a full disk.
+fn all_said() -> Result<()> {
+    note(io::stdout().flush());
+    let why = UNSAID.lock().unwrap_or_else(PoisonError::into_inner).take();
+    why.map_or(Ok(()), |why| Err(Error::io("print the answer to", "standard output")(why)))
 }
 
 fn print_json(value: &serde_json::Value) {
@@ -224,7 +248,7 @@ fn print_json(value: &serde_json::Value) {
 pub fn main() -> ExitCode {
     let verb = Cli::parse().verb;
     interrupt::listen();
-    match forced_level().and_then(|()| act(&verb)) {
+    match forced_level().and_then(|()| act(&verb)).and_then(|()| all_said()) {
         Ok(()) => ExitCode::SUCCESS,
         Err(Error::Interrupted) => interrupt::leave(),
         Err(error) => {

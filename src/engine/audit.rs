@@ -44,6 +44,9 @@ pub struct Audit {
     pub manifests: u64,
     /// Bytes read.
     pub bytes: u64,
+    /// Damaged files that could not be moved to `quarantine/`, such as those of a store that may only be read.
+    #[serde(skip)]
+    pub left: usize,
     /// Bytes that are not what their name says.
     pub damaged: Vec<Finding>,
     /// What no record names.
@@ -93,10 +96,10 @@ pub fn audit(root: &Path, workers: usize, heard: &Heard<'_>) -> Result<Audit> {
     let total: u64 = [&records, &parts, &manifests, &objects]
         .into_iter()
         .flatten()
-        .map(|(_, bytes)| bytes)
-        .sum();
+        // Sparse files may be as long as they say.
+        .fold(0, |all, (_, bytes)| all.saturating_add(*bytes));
     let done = AtomicU64::new(0);
-    let look = |bytes: u64| heard(done.fetch_add(bytes, Ordering::Relaxed) + bytes, total);
+    let look = |bytes: u64| heard(done.fetch_add(bytes, Ordering::Relaxed).saturating_add(bytes), total);
     heard(0, total);
     let mut audit = Audit {
         objects: objects.len() as u64,
@@ -145,7 +148,7 @@ impl Audit {
                     continue;
                 }
             };
-            self.bytes += file.1;
+            self.bytes = self.bytes.saturating_add(file.1);
             let Some(id) = Id::parse(&record.id) else { continue };
             let node = told(&record);
             let evicted = record.evicted;
@@ -167,7 +170,7 @@ impl Audit {
             .collect();
         for (path, found) in checked {
             match found {
-                Ok(bytes) => self.bytes += bytes,
+                Ok(bytes) => self.bytes = self.bytes.saturating_add(bytes),
                 Err(_) if name(root, kind(root, path), path).is_none() => {
                     self.orphaned.push(finding(root, path, "", STRAY));
                 }
@@ -199,7 +202,7 @@ impl Audit {
             present.insert(id);
             let node = named.get(&id).map_or("", |named| named.node.as_str());
             match found {
-                Ok(bytes) => self.bytes += bytes,
+                Ok(bytes) => self.bytes = self.bytes.saturating_add(bytes),
                 Err(why) => {
                     self.put_away(root, path, node, why);
                     continue;
@@ -236,6 +239,7 @@ impl Audit {
         let moved = fs::create_dir_all(&folder).and_then(|()| fs::rename(path, folder.join(name + suffix)));
         // A run that reads may have been faster.
         if let Some(refused) = moved.err().filter(|refused| refused.kind() != ErrorKind::NotFound) {
+            self.left += 1;
             why = format!("{why}; it cannot be moved to quarantine: {refused}");
         }
         self.damaged.push(finding(root, path, node, &why));
@@ -248,7 +252,7 @@ fn told(record: &Record) -> String {
     match (record.first, record.items) {
         (0, 1) => node.clone(),
         (first, 1) => format!("{node}, item {first}"),
-        (first, items) => format!("{node}, items {first} to {}", first + items.saturating_sub(1)),
+        (first, items) => format!("{node}, items {first} to {}", first.saturating_add(items.saturating_sub(1))),
     }
 }
 

@@ -105,7 +105,7 @@ pub fn locks_in(root: &Path) -> Result<Vec<(String, String)>> {
 pub fn bytes(root: &Path) -> u64 {
     let folders = ["objects", "records", "parts", "manifests", "tmp", "locks", "quarantine"];
     let items = folders.into_iter().flat_map(|folder| files_in(&root.join(folder)));
-    items.map(|item| item.bytes).sum()
+    items.fold(0, |all, item| all.saturating_add(item.bytes))
 }
 
 /// Finds what can go: all that nothing reaches, then what may go until the store is within `bound`. `committed` are the
@@ -116,11 +116,7 @@ pub fn bytes(root: &Path) -> u64 {
 pub fn plan(root: &Path, pipeline: &Pipeline, committed: &[String], bound: u64) -> Result<Sweep> {
     let mut locks = Vec::new();
     for (name, text) in locks_in(root)? {
-        let lock = Lock::parse(&text).map_err(|error| Error::Damaged {
-            what: root.join(name).display().to_string(),
-            why: error.to_string(),
-        })?;
-        locks.push(lock);
+        locks.push(Lock::parse_file(&root.join(name).display().to_string(), &text)?);
     }
     locks.extend(committed.iter().filter_map(|text| Lock::parse(text).ok()));
     let scan = Scan::new(root);
@@ -277,7 +273,7 @@ impl Sweep {
 
     fn take(&mut self, item: &Item) {
         self.garbage.push(item.path.clone());
-        self.freed += item.bytes;
+        self.freed = self.freed.saturating_add(item.bytes);
     }
 
     fn take_garbage(&mut self, scan: &Scan, roots: &Roots) {
@@ -287,7 +283,8 @@ impl Sweep {
                 if roots.ids.contains(id) {
                     named_parts.push_str(&noted.record.text());
                 } else {
-                    self.freed += scan.record_bytes.get(&noted.path).copied().unwrap_or(0);
+                    let bytes = scan.record_bytes.get(&noted.path).copied().unwrap_or(0);
+                    self.freed = self.freed.saturating_add(bytes);
                     self.garbage.push(noted.path.clone());
                 }
             }
@@ -331,7 +328,7 @@ impl Sweep {
             }
             let records = scan.records[id].iter().map(|(noted, _)| noted.clone()).collect();
             self.evicted.push((item.path.clone(), records));
-            self.freed += item.bytes;
+            self.freed = self.freed.saturating_add(item.bytes);
             self.seconds += scan.seconds(id);
         }
     }

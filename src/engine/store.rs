@@ -130,6 +130,17 @@ impl Store {
         self.flight.hold(key)
     }
 
+    /// Waits until no other run has the lock of a name; none where the file system has no locks.
+    ///
+    /// # Errors
+    /// A lock that cannot be made.
+    pub(crate) fn wait_for_turn(&self, name: &str) -> Result<Option<File>> {
+        let path = self.root.join("locks").join(name);
+        let file = self.disk.open_lock(&path, false);
+        let file = file.map_err(Error::writing("make the lock", path, 0))?;
+        Ok(wait_for(self.disk.as_ref(), &file, true, &|| ()).then_some(file))
+    }
+
     /// The record of a key, if there is an undamaged one.
     pub fn record(&self, key: &Key) -> Option<Record> {
         let path = self.path("records", &key.to_string(), ".json");

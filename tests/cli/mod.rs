@@ -1,4 +1,4 @@
-//! The contract of the command line (house.md, section 5), on the real binary.
+//! The contract of the command line, on the real binary.
 
 mod diff;
 mod exits;
