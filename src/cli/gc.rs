@@ -107,7 +107,7 @@ fn tell(args: &GcArgs, sweep: &Sweep) {
 
 /// After a run: makes room if the store is over its bound and nobody else is at work; any trouble is for the next time.
 pub(super) fn after_run(root: &Path) {
-    if gc::bytes(root) <= BOUND {
+    if gc::bytes(root).is_ok_and(|bytes| bytes <= BOUND) {
         return;
     }
     let Some(alone) = Alone::now(root) else { return };

@@ -21,9 +21,10 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 
 use crate::engine::disk::System;
 use crate::engine::error::{Error, Result};
-use crate::engine::graph::{Graph, Target};
+use crate::engine::graph::Graph;
 use crate::engine::params::ParamsFile;
 use crate::engine::store::Store;
+use crate::engine::target::Target;
 use crate::numerics::lanes::Level;
 use crate::numerics::self_test;
 use crate::stages::PIPELINE;
@@ -153,9 +154,18 @@ impl Common {
     }
 
     fn open(&self, targets: &[String]) -> Result<Session> {
+        self.open_targets(&targets.iter().map(|text| target(text)).collect::<Result<Vec<_>>>()?)
+    }
+
+    /// The same for whole nodes, whatever pieces the targets name.
+    fn open_nodes(&self, targets: &[String]) -> Result<Session> {
+        let whole = |text: &String| target(text).map(|target| Target { piece: None, ..target });
+        self.open_targets(&targets.iter().map(whole).collect::<Result<Vec<_>>>()?)
+    }
+
+    fn open_targets(&self, targets: &[Target]) -> Result<Session> {
         let params = self.params()?;
-        let targets: Vec<Target> = targets.iter().map(|text| target(text)).collect::<Result<_>>()?;
-        let graph = Graph::new(&PIPELINE, &params, &targets)?;
+        let graph = Graph::new(&PIPELINE, &params, targets)?;
         let ships = params.list(SHIP)?;
         Ok(Session {
             graph,
@@ -237,7 +247,9 @@ fn note(outcome: io::Result<()>) {
 fn all_said() -> Result<()> {
     note(io::stdout().flush());
     let why = UNSAID.lock().unwrap_or_else(PoisonError::into_inner).take();
-    why.map_or(Ok(()), |why| Err(Error::io("print the answer to", "standard output")(why)))
+    why.map_or(Ok(()), |why| {
+        Err(Error::io("print the answer to", "standard output")(why))
+    })
 }
 
 fn print_json(value: &serde_json::Value) {

@@ -79,7 +79,7 @@ pub fn verify(args: &VerifyArgs) -> Result<()> {
             "target `{target}`: expected with --rebuild alone"
         )));
     }
-    let session = args.common.open(&args.target)?;
+    let session = args.common.open_nodes(&args.target)?;
     if args.rebuild {
         verify_rebuild(args, &session)
     } else if args.lock {

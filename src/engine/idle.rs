@@ -40,9 +40,9 @@ pub fn is_idle(run: &Run<'_>, index: &Index, traces: &Traces<'_>) -> bool {
     if runs::remember(run).is_err() {
         return false;
     }
-    for node in &run.graph.nodes {
-        for piece in 0..node.pieces.len() {
-            let node = node.name();
+    for (node, it) in run.graph.nodes.iter().enumerate() {
+        for piece in run.graph.wanted_pieces(node) {
+            let node = it.name();
             run.tell(&Event::DidReuse { node, piece });
         }
     }

@@ -113,8 +113,8 @@ impl Index {
     /// Decides a whole graph by the index; nothing is moved or made.
     pub fn believe(&self, run: &Run<'_>) -> Belief {
         let mut belief = Belief::All { rehashed: false };
-        for (node, it) in run.graph.nodes.iter().enumerate() {
-            for piece in 0..it.pieces.len() {
+        for node in 0..run.graph.nodes.len() {
+            for piece in run.graph.wanted_pieces(node) {
                 let row = run.key(node, piece).and_then(|key| self.row(&key));
                 let Some(row) = row else {
                     belief = Belief::Not;

@@ -178,7 +178,9 @@ impl Lock {
             return Err(refuse(1, "expected encounter-lock 1"));
         }
         let seed = seed.parse().map_err(|_| refuse(1, "expected a seed"))?;
-        let keys = keys.parse().map_err(|_| refuse(1, "expected the number of the key schema"))?;
+        let keys = keys
+            .parse()
+            .map_err(|_| refuse(1, "expected the number of the key schema"))?;
         let (mut lines, mut code, mut crates) = (Vec::new(), BTreeMap::new(), BTreeMap::new());
         for (number, row) in rows.filter(|(_, row)| !row.starts_with('#') && !row.trim().is_empty()) {
             if let Some(listed) = row.strip_prefix(CRATES) {

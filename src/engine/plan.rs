@@ -28,7 +28,7 @@ pub struct NodePlan {
     pub node: String,
     /// Its place in the paper.
     pub paper: String,
-    /// Its pieces.
+    /// Its pieces, of those that the targets need.
     pub pieces: usize,
     /// Pieces that are cached.
     pub cached: usize,
@@ -70,6 +70,7 @@ impl Cost {
 /// The state of one piece.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum State {
+    /// Left alone; so is a piece that no target needs.
     Cached,
     WillRun(Cause),
     /// An input will run; if its content comes out equal, this stays cached.
@@ -114,7 +115,10 @@ impl<'g> Plan<'g> {
         for (node, it) in graph.nodes.iter().enumerate() {
             plan.present.push(Present::new(&plan.run, node));
             let in_doubt = it.node.is_published() || !index.is_empty();
-            let state = |piece| {
+            let state = |piece: usize| {
+                if !graph.wanted[node][piece] {
+                    return State::Cached;
+                }
                 let is_vouched_for = index.hint(&plan.run, node, piece);
                 let verify = verified.contains(&node) || (in_doubt && !is_vouched_for);
                 plan.state(node, piece, verify)
@@ -177,11 +181,15 @@ impl<'g> Plan<'g> {
     fn node_plan(&self, node: usize) -> NodePlan {
         let it = &self.run.graph.nodes[node];
         let told = self.told(node);
-        let count = |of: fn(&State) -> bool| self.states[node].iter().filter(|state| of(state)).count();
+        let graph = self.run.graph;
+        let count = |of: fn(&State) -> bool| {
+            let wanted = graph.wanted_pieces(node);
+            wanted.filter(|piece| of(&self.states[node][*piece])).count()
+        };
         NodePlan {
             node: it.name(),
             paper: it.node.paper().to_owned(),
-            pieces: it.pieces.len(),
+            pieces: count(|_| true),
             cached: count(|state| *state == State::Cached),
             will_run: count(|state| matches!(state, State::WillRun(_))),
             may_run: count(|state| matches!(state, State::MayRun(_))),
@@ -322,8 +330,8 @@ impl<'g> Plan<'g> {
 /// Takes for known what the plan of a run leaves alone though its bytes are gone: they were deleted by hand, and are made
 /// again when somebody needs them, like those that garbage collection took.
 pub(crate) fn leave_what_nobody_needs(run: &Run<'_>) {
-    let pieces = |node: usize| 0..run.graph.nodes[node].pieces.len();
-    let all = || (0..run.graph.nodes.len()).flat_map(|node| pieces(node).map(move |piece| (node, piece)));
+    let pieces = |node| run.graph.wanted_pieces(node).map(move |piece| (node, piece));
+    let all = || (0..run.graph.nodes.len()).flat_map(pieces);
     let is_lost = |(node, piece): (usize, usize)| match run.decide(node, piece) {
         Decision::WillRun(key) => run.store.record(&key).is_some(),
         Decision::Cached | Decision::MayRun => false,

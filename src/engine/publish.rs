@@ -242,7 +242,11 @@ fn tag(path: &Path) -> u64 {
 pub fn clear(graph: &Graph, axis: Axis, values: &[String], figures: &Path, store: &Path) {
     let folders = layout(graph, axis, values).into_iter().map(|(_, prefix)| prefix);
     let folders: BTreeSet<String> = folders.collect();
-    for folder in folders.iter().map(|prefix| figures.join(prefix)).chain([store.to_owned()]) {
+    for folder in folders
+        .iter()
+        .map(|prefix| figures.join(prefix))
+        .chain([store.to_owned()])
+    {
         for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
             if entry.file_name().to_str().is_some_and(is_temporary) && is_abandoned(&entry.path()) {
                 // It is in nobody's way.
@@ -260,5 +264,8 @@ fn is_temporary(name: &str) -> bool {
 }
 
 fn is_abandoned(path: &Path) -> bool {
-    File::options().write(true).open(path).is_ok_and(|file| file.try_lock().is_ok())
+    File::options()
+        .write(true)
+        .open(path)
+        .is_ok_and(|file| file.try_lock().is_ok())
 }

@@ -3,6 +3,7 @@
 
 mod child;
 mod concurrency;
+mod disk;
 mod edits;
 mod faults;
 mod kill;
