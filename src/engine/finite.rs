@@ -16,7 +16,7 @@ use crate::engine::tree::tree;
 ///
 /// # Errors
 /// The first such number, by path within the artifact.
-pub(crate) fn check<T: Serialize + ?Sized>(value: &T) -> Result<()> {
+pub fn check<T: Serialize + ?Sized>(value: &T) -> Result<()> {
     if value.serialize(Looker).is_ok() {
         return Ok(());
     }

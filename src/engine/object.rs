@@ -8,7 +8,8 @@ use crate::engine::codec::{CODEC, LIMIT};
 use crate::engine::id::Id;
 
 const MAGIC: &[u8; 8] = b"ENCOUNT1";
-const HEADER: usize = 64;
+/// Bytes of the header.
+pub const HEADER: usize = 64;
 
 /// The bytes of an object file.
 pub(crate) fn seal(schema: u64, payload: &[u8]) -> (Id, Vec<u8>) {
@@ -55,7 +56,7 @@ pub(crate) fn payload(mut file: Vec<u8>) -> Vec<u8> {
 ///
 /// # Errors
 /// What is wrong with the bytes, or keeps them from being read.
-pub(crate) fn check(id: &Id, mut file: impl Read, buffer: &mut [u8]) -> Result<u64, String> {
+pub fn check(id: &Id, mut file: impl Read, buffer: &mut [u8]) -> Result<u64, String> {
     let unread = |why: io::Error| format!("it cannot be read: {why}");
     let mut head = [0; HEADER];
     let read = fill(&mut file, &mut head).map_err(unread)?;

@@ -1,5 +1,6 @@
 //! How long does it take to find that there is nothing to do, at 200, 1,000 and 5,000 keys, by the index and without it;
-//! what does a cached key cost; how long does the whole process take at quick size; how fast are bytes hashed?
+//! what does a cached key cost; how long does the whole process take at quick size; how fast are bytes hashed; what does it
+//! cost to look for numbers that are none?
 
 use std::hint::black_box;
 use std::path::{Path, PathBuf};
@@ -10,8 +11,10 @@ use std::time::Duration;
 use divan::Bencher;
 use divan::counter::{BytesCount, ItemsCount};
 use encounter::engine::arrow::{All, Each, PiecesOf};
+use encounter::engine::codec::encode;
 use encounter::engine::error::Result;
 use encounter::engine::event::Event;
+use encounter::engine::finite::check;
 use encounter::engine::graph::Graph;
 use encounter::engine::id::Id;
 use encounter::engine::index::{Belief, Index};
@@ -187,6 +190,24 @@ fn process(verb: &str, store: &Path) {
 fn whole_process_at_quick_size(bencher: Bencher<'_, '_>, verb: &str) {
     let store = quick();
     bencher.bench_local(|| process(verb, store));
+}
+
+/// One core looks for NaN and infinity in an artifact of that size.
+#[divan::bench]
+fn look_through_16_megabytes_of_numbers(bencher: Bencher<'_, '_>) {
+    let numbers = vec![vec![0.25_f64; 1 << 13]; 1 << 8];
+    bencher
+        .counter(BytesCount::new(16_usize << 20))
+        .bench_local(|| check(black_box(&numbers)));
+}
+
+/// One core encodes it.
+#[divan::bench]
+fn encode_16_megabytes_of_numbers(bencher: Bencher<'_, '_>) {
+    let numbers = vec![vec![0.25_f64; 1 << 13]; 1 << 8];
+    bencher
+        .counter(BytesCount::new(16_usize << 20))
+        .bench_local(|| encode(black_box(&numbers)));
 }
 
 /// One core hashes an object: at least 1 GB/s.

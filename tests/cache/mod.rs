@@ -3,6 +3,7 @@
 mod cases;
 mod chart;
 mod difference;
+mod finite;
 mod gc;
 mod hits;
 mod index;

@@ -86,6 +86,31 @@ fn a_deleted_object_is_made_again_and_counted() {
 }
 
 #[test]
+fn a_deleted_output_is_left_until_somebody_needs_it() {
+    let mut house = House::new();
+    let before = house.run();
+    let of = |piece: &str| house.object(&before.known[piece].1);
+    let (squares, total) = (of("squares/a/1"), of("total/a/0"));
+    for object in [&squares, &total] {
+        fs::remove_file(object).expect("the object can be deleted");
+    }
+    let idle = house.run();
+    idle.expect_success();
+    assert_eq!((idle.ran(), idle.healed()), (Vec::new(), Vec::new()));
+    assert!(idle.known == before.known && !squares.exists() && !total.exists());
+    // The draws read the total, which is made from the squares; all come out as they were.
+    house.set("draws.count=3");
+    let done = house.run();
+    assert_eq!(done.healed(), ["squares/a/1", "total/a/0"]);
+    let ran = done.ran();
+    let others = ran
+        .iter()
+        .filter(|piece| !piece.starts_with("draws") && !piece.starts_with("report"));
+    assert_eq!(others.collect::<Vec<_>>(), ["numbers/1", "squares/a/1", "total/a/0"]);
+    assert!(squares.is_file() && total.is_file());
+}
+
+#[test]
 fn a_deleted_store_of_objects_is_made_again_from_records() {
     let house = House::new();
     let before = house.run().locked();

@@ -5,6 +5,7 @@ mod exits;
 mod graph;
 mod ranges;
 mod refusals;
+mod robust;
 pub(crate) mod verbs;
 mod verify;
 mod why;

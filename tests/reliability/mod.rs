@@ -6,6 +6,7 @@ mod concurrency;
 mod disk;
 mod edits;
 mod faults;
+mod hostile;
 mod kill;
 mod model;
 mod mutants;
