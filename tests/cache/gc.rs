@@ -54,7 +54,7 @@ fn what_a_lock_names_stays_however_many_runs_ago() {
     // A lock that cannot be read may name anything.
     fs::write(house.path("store/toy.lock"), "<<<<<<< ours\n").expect("a lock can be written");
     let error = house.gc(0, true).expect_err("a refusal");
-    assert!(error.to_string().contains("toy.lock is damaged"), "{error}");
+    assert!(error.to_string().contains("toy.lock, line 1 is damaged"), "{error}");
     assert_eq!(error.exit_code(), 5);
 }
 

@@ -154,19 +154,19 @@ fn what_cannot_be_set_aside_is_not_told_to_be() {
 #[test]
 fn an_equal_case_lends_its_record_and_that_is_said() {
     let program = Program::new("tiny");
-    let arguments = small(&["run", "wave_synthesis/S1"]);
+    let arguments = small(&["run", "group_statistics/S1"]);
     assert_eq!(program.call(&arguments).code, 0);
     let equal = ["--set", "sea.S2.bandwidth=0.02"];
-    let said = program.call(&[&small(&["why", "wave_synthesis/S2"])[..], &equal].concat());
+    let said = program.call(&[&small(&["why", "group_statistics/S2"])[..], &equal].concat());
     assert_eq!(said.code, 0, "{}", said.stderr);
     assert!(
-        said.stdout.starts_with("wave_synthesis/S2  cached  "),
+        said.stdout.starts_with("group_statistics/S2  cached  "),
         "{}",
         said.stdout
     );
-    assert!(said.stdout.contains("  wave_synthesis/S1  items "), "{}", said.stdout);
+    assert!(said.stdout.contains("  group_statistics/S1  items "), "{}", said.stdout);
     assert!(said.stdout.contains("(an equal case, made first)"), "{}", said.stdout);
-    let own = program.call(&small(&["why", "wave_synthesis/S1"]));
+    let own = program.call(&small(&["why", "group_statistics/S1"]));
     assert!(!own.stdout.contains("equal case"), "{}", own.stdout);
 }
 
