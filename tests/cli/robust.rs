@@ -3,6 +3,7 @@
 use super::verbs::SMALL;
 use crate::common::program::Program;
 use encounter::engine::lock::Lock;
+use std::collections::BTreeSet;
 use std::fs::{self, File};
 use std::path::Path;
 use std::process::{Command, Stdio};
@@ -178,11 +179,7 @@ fn a_piece_is_planned_and_run_alone() {
     let pieces = nodes.map(|node| node["pieces"].as_u64().expect("a number"));
     assert_eq!(pieces.collect::<Vec<_>>(), [1, 1], "{planned}");
     let ran = program.ran(&small(&["envelope/S1/0"]));
-    assert_eq!(
-        ran.values().map(|pieces| pieces.len()).collect::<Vec<_>>(),
-        [1, 1],
-        "{ran:?}"
-    );
+    assert_eq!(ran.values().map(BTreeSet::len).collect::<Vec<_>>(), [1, 1], "{ran:?}");
     let shown = program.json(&small(&["show", "envelope/S1/0"]));
     assert_eq!(shown["piece"], 0);
 }

@@ -6,6 +6,7 @@ use std::io;
 use std::path::Path;
 
 /// What the store asks of its disk.
+#[derive(Clone, Copy)]
 pub(super) enum Deed<'a> {
     Write(&'a Path, &'a [u8]),
     Synchronise(&'a Path),
