@@ -336,10 +336,11 @@ fn may_go(record: &Record, pipeline: &Pipeline) -> bool {
     node.is_some_and(|node| node.keep() != Keep::Always && !node.is_published())
 }
 
-/// Whether a temporary, locked or quarantined file has a name that the store gives: hexadecimal, with what follows a dash.
+/// Whether a temporary, locked or quarantined file has a name that the store gives: hexadecimal, with what follows a dash,
+/// or that of the one other lock.
 fn is_ours(name: &str) -> bool {
     let hex = name.split(['-', '.']).next().unwrap_or_default();
-    hex.len() >= 16 && hex.bytes().all(|byte| byte.is_ascii_hexdigit())
+    name == runs::TURN || (hex.len() >= 16 && hex.bytes().all(|byte| byte.is_ascii_hexdigit()))
 }
 
 fn is_record(path: &Path) -> bool {

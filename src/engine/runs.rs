@@ -22,6 +22,9 @@ use crate::engine::store::{Store, path_in};
 /// How many runs are remembered.
 const KEPT: usize = 3;
 
+/// The lock of who writes here.
+pub(crate) const TURN: &str = "runs";
+
 /// What a run used.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct RunFile {
@@ -54,7 +57,7 @@ pub(crate) fn remember(run: &Run<'_>) -> Result<()> {
         return Ok(());
     }
     // One at a time, so that no two runs choose the same number.
-    let _turn = run.store.wait_for_turn("runs")?;
+    let _turn = run.store.wait_for_turn(TURN)?;
     let there = numbered(run.store.root());
     if is_last(&there) {
         return Ok(());
