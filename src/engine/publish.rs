@@ -107,7 +107,11 @@ pub fn check_folder(graph: &Graph, axis: Axis, values: &[String], folder: &Path)
         let there = folder.ancestors().find(|path| path.symlink_metadata().is_ok());
         let there = there.unwrap_or(Path::new("."));
         let probe = there.join(format!(".encounter-{:016x}.tmp", tag(there)));
-        let made = fs::write(&probe, "").and_then(|()| fs::remove_file(&probe));
+        let made = fs::write(&probe, "").and_then(|()| match fs::remove_file(&probe) {
+            // Another run has taken it for a dead one's.
+            Err(why) if why.kind() == ErrorKind::NotFound => Ok(()),
+            removed => removed,
+        });
         made.map_err(Error::io("write figures to", folder))?;
     }
     Ok(())
