@@ -226,10 +226,11 @@ impl<'g> Plan<'g> {
     /// A record without its object: made again, it must have its id, so nothing below needs to run for it, nor it itself
     /// until somebody needs it. What is published is always read; what was damaged is healed at once.
     fn lost(&self, node: usize, piece: usize, record: &Record) -> State {
-        if let Some(id) = Id::parse(&record.id) {
-            self.run.suppose(node, piece, id, record.bytes);
-        }
-        if self.run.store.root().join("quarantine").join(&record.id).exists() {
+        let Some(id) = Id::parse(&record.id) else {
+            return State::WillRun(Cause::Damaged("record damaged: it names no id".to_owned()));
+        };
+        self.run.suppose(node, piece, id, record.bytes);
+        if self.run.store.root().join("quarantine").join(id.to_string()).exists() {
             let what = "object damaged: it lies in quarantine".to_owned();
             State::WillRun(Cause::Damaged(what))
         } else if self.run.graph.nodes[node].node.is_published() {

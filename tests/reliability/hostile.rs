@@ -211,3 +211,19 @@ fn records_parts_and_runs_of_another_shape_are_none() {
     let record = records::read(&house.record(&key));
     assert_eq!(record["node"], Value::from("slow"));
 }
+
+#[test]
+fn a_record_that_names_no_id_is_made_again() {
+    let folder = tempfile::tempdir().expect("a temporary folder can be made");
+    let (house, key, id) = kept(folder.path());
+    for strange in ["", "/etc/passwd", "../../locks", "\u{1b}[2J"] {
+        records::edit(&house.record(&key), |record| record["id"] = strange.into());
+        let slow = house.plan_of("slow");
+        assert_eq!((slow.cached, slow.will_run), (2, 1), "{strange}");
+        assert_eq!(slow.reason, "record damaged: it names no id");
+        let error = house.run().outcome.expect_err("two contents of one key");
+        assert!(error.to_string().contains("slow/1 is not reproducible"), "{error}");
+    }
+    fs::remove_file(house.record(&key)).expect("the record can be deleted");
+    assert_eq!(house.run().known["slow/1"], (key, id));
+}
