@@ -56,7 +56,8 @@ struct Changes {
 /// No git, no work tree, no such revision, or a file that cannot be read.
 pub fn diff(args: &DiffArgs) -> Result<()> {
     let common = &args.common;
-    let new = common.params()?;
+    // What no run would take is not compared either.
+    let new = common.open(&[])?.graph.params;
     let revision = Revision::find(&Common::root()?, &args.rev)?;
     let old = params_at(common, &revision)?;
     let changes = Changes {
@@ -89,12 +90,15 @@ fn params_at(common: &Common, revision: &Revision) -> Result<ParamsFile> {
 }
 
 fn lines(common: &Common, revision: &Revision) -> Result<Option<(Vec<LineChange>, Vec<LineChange>)>> {
-    let old = revision.file(&format!("artifacts/{}.lock", common.profile.name()))?;
-    let new = fs::read_to_string(common.lock_file(&[])?).ok();
+    let name = format!("artifacts/{}", lock_name(common));
+    let path = common.lock_file(&[])?;
+    let old = revision.file(&name)?;
+    let new = fs::read_to_string(&path).ok();
     let Some((old, new)) = old.zip(new) else {
         return Ok(None);
     };
-    let (old, new) = (Lock::parse(&old)?, Lock::parse(&new)?);
+    let old = Lock::parse_file(&format!("{}:{name}", revision.name), &old)?;
+    let new = Lock::parse_file(&path.display().to_string(), &new)?;
     let of = |files| versions::lines(&old, &new, files);
     Ok(Some((of(false), of(true))))
 }

@@ -91,9 +91,22 @@ pub fn doctor(args: &DoctorArgs) -> Result<()> {
             level.name(),
             pace
         ));
-        say(format_args!("memory   {}; {} needs {}", gib(memory), args.common.profile.name(), gib(Some(wanted.memory))));
-        say(format_args!("disk     {}; a whole store needs {}", gib(disk), gib(Some(wanted.disk))));
-        say(format_args!("work     {} of {pieces} pieces left, about {}", left, span(minutes)));
+        say(format_args!(
+            "memory   {}; {} needs {}",
+            gib(memory),
+            args.common.profile.name(),
+            gib(Some(wanted.memory))
+        ));
+        say(format_args!(
+            "disk     {}; a whole store needs {}",
+            gib(disk),
+            gib(Some(wanted.disk))
+        ));
+        say(format_args!(
+            "work     {} of {pieces} pieces left, about {}",
+            left,
+            span(minutes)
+        ));
         match &found {
             Some(found) => say(format_args!(
                 "store    {} objects, {:.1} MB, {} damaged, {} missing",
@@ -108,7 +121,10 @@ pub fn doctor(args: &DoctorArgs) -> Result<()> {
             say(format_args!("problem  {problem}"));
         }
         if problems.is_empty() {
-            say(format_args!("all is well: `encounter run --profile {}`", args.common.profile.name()));
+            say(format_args!(
+                "all is well: `encounter run --profile {}`",
+                args.common.profile.name()
+            ));
         }
     }
     if problems.is_empty() {
@@ -139,10 +155,24 @@ fn memory() -> Option<u64> {
     Some(1024 * kibibytes)
 }
 
+/// The room where the store lies or will lie, bytes, where the system tells.
+#[cfg(not(unix))]
+fn room(_: &Path) -> Option<u64> {
+    None
+}
+
 /// The room where the store lies or will lie, bytes.
+#[cfg(unix)]
 fn room(store: &Path) -> Option<u64> {
-    let there = store.ancestors().find(|folder| folder.is_dir()).unwrap_or(Path::new("."));
-    let there = if there.as_os_str().is_empty() { Path::new(".") } else { there };
+    let there = store
+        .ancestors()
+        .find(|folder| folder.is_dir())
+        .unwrap_or(Path::new("."));
+    let there = if there.as_os_str().is_empty() {
+        Path::new(".")
+    } else {
+        there
+    };
     let known = rustix::fs::statvfs(there).ok()?;
     Some(known.f_bavail * known.f_frsize)
 }
@@ -172,14 +202,25 @@ fn problems(
         all.push(why.clone());
     }
     if memory.is_some_and(|free| free < wanted.memory) {
-        all.push(format!("memory: expected {} free, found {}", gib(Some(wanted.memory)), gib(memory)));
+        all.push(format!(
+            "memory: expected {} free, found {}",
+            gib(Some(wanted.memory)),
+            gib(memory)
+        ));
     }
     let held = found.map_or(0, |found| found.bytes);
     if disk.is_some_and(|free| free + held < wanted.disk) {
-        all.push(format!("disk: expected {} free, found {}", gib(Some(wanted.disk)), gib(disk)));
+        all.push(format!(
+            "disk: expected {} free, found {}",
+            gib(Some(wanted.disk)),
+            gib(disk)
+        ));
     }
     if let Some(found) = found.filter(|found| !found.damaged.is_empty()) {
-        all.push(format!("store: {} damaged files; `encounter verify --store` names them", found.damaged.len()));
+        all.push(format!(
+            "store: {} damaged files; `encounter verify --store` names them",
+            found.damaged.len()
+        ));
     }
     all
 }

@@ -53,6 +53,10 @@ fn size(text: &str) -> std::result::Result<u64, String> {
 /// # Errors
 /// A damaged lock, or a file that cannot be removed.
 pub fn gc(args: &GcArgs) -> Result<()> {
+    if args.common.is_custom() {
+        // They say nothing to `gc`; a mistyped one is told as by every verb.
+        args.common.open(&[])?;
+    }
     let root = args.common.store_folder()?;
     if !root.exists() {
         tell(args, &Sweep::default());
@@ -103,7 +107,7 @@ fn tell(args: &GcArgs, sweep: &Sweep) {
 
 /// After a run: makes room if the store is over its bound and nobody else is at work; any trouble is for the next time.
 pub(super) fn after_run(root: &Path) {
-    if gc::bytes(root) <= BOUND {
+    if gc::bytes(root).is_ok_and(|bytes| bytes <= BOUND) {
         return;
     }
     let Some(alone) = Alone::now(root) else { return };

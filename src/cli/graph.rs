@@ -38,7 +38,7 @@ enum Format {
 /// A parameter or target that cannot be used.
 pub fn graph(args: &GraphArgs) -> Result<()> {
     let session = args.common.open(&args.target)?;
-    let store = session.look_at_store();
+    let store = session.look_at_store()?;
     let chart = chart(&Plan::new(&session.graph, &store, &[]), args.cases);
     let profile = args.common.profile.name();
     if args.common.json {

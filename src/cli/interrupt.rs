@@ -3,11 +3,18 @@
 //! A piece that takes longer is given up. Its temporary file belongs to whoever makes the piece next, and its lock to the
 //! kernel, so nothing is to be cleaned up. Tested in `tests/reliability/kill.rs`.
 
-use std::sync::Mutex;
+use std::path::PathBuf;
+use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
+#[cfg(unix)]
+use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
+#[cfg(unix)]
+use signal_hook::iterator::Signals;
+use tempfile::TempDir;
+
 use crate::cli::progress::tell;
-use crate::engine::error::Error;
+use crate::engine::error::{Error, Result};
 use crate::engine::stop::Stop;
 
 /// Asked when the process should end.
@@ -16,19 +23,61 @@ pub(super) static STOP: Stop = Stop::new();
 /// What finished pieces have to be published in.
 const GRACE: Duration = Duration::from_millis(700);
 
-/// Listens to Ctrl-C, SIGTERM and SIGHUP; where that cannot be done, they end the process as they always do.
+/// A folder that goes with the process.
+static TEMPORARY: Mutex<Option<PathBuf>> = Mutex::new(None);
+
+/// Listens to Ctrl-C, SIGTERM and SIGHUP; where that cannot be done, they end the process as they always do. A SIGHUP that
+/// was ignored when the process began, as by `nohup`, stays so.
+#[cfg(unix)]
 pub(super) fn listen() {
-    let _ = ctrlc::set_handler(|| {
-        STOP.ask();
-        std::thread::sleep(GRACE);
-        leave()
-    });
+    let hangup = (!ignores_hangup()).then_some(SIGHUP);
+    if let Ok(mut signals) = Signals::new([SIGINT, SIGTERM].into_iter().chain(hangup)) {
+        std::thread::spawn(move || signals.forever().next().map(|_| end()));
+    }
+}
+
+/// Listens to Ctrl-C.
+#[cfg(not(unix))]
+pub(super) fn listen() {
+    let _ = ctrlc::set_handler(|| end());
+}
+
+/// Whether the process began with SIGHUP ignored; where the system does not tell, it did not.
+#[cfg(unix)]
+fn ignores_hangup() -> bool {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
+    let mask = mask.and_then(|hex| u64::from_str_radix(hex.trim(), 16).ok());
+    mask.is_some_and(|mask| mask & (1 << (SIGHUP - 1)) != 0)
+}
+
+fn end() -> ! {
+    STOP.ask();
+    std::thread::sleep(GRACE);
+    leave()
+}
+
+/// Makes a temporary folder that is gone after its last use, also if the process is interrupted meanwhile.
+pub(super) fn temporary_folder() -> Result<TempDir> {
+    let folder = tempfile::tempdir().map_err(Error::io("make a temporary folder", std::env::temp_dir()))?;
+    *temporary() = Some(folder.path().to_owned());
+    Ok(folder)
+}
+
+fn temporary() -> MutexGuard<'static, Option<PathBuf>> {
+    TEMPORARY.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// Says so, once, and ends the process.
 pub(super) fn leave() -> ! {
     static LEAVING: Mutex<()> = Mutex::new(());
     let _only_one = LEAVING.lock();
+    if let Some(folder) = temporary().take() {
+        // Workers may still be writing into it: what is new since the first look goes with a second one.
+        for _ in 0..3 {
+            let _ = std::fs::remove_dir_all(&folder);
+        }
+    }
     tell(&Error::Interrupted.to_string());
     std::process::exit(i32::from(Error::Interrupted.exit_code()))
 }

@@ -1,6 +1,7 @@
 //! The command line: verbs, options, and what every verb needs. It speaks; it never computes.
 
 pub mod diff;
+pub mod doctor;
 pub mod gc;
 pub mod graph;
 mod interrupt;
@@ -12,18 +13,19 @@ pub mod verify;
 pub mod why;
 mod words;
 
-use std::io::Write;
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
 use crate::engine::disk::System;
 use crate::engine::error::{Error, Result};
-use crate::engine::graph::{Graph, Target};
+use crate::engine::graph::Graph;
 use crate::engine::params::ParamsFile;
 use crate::engine::store::Store;
+use crate::engine::target::Target;
 use crate::numerics::lanes::Level;
 use crate::numerics::self_test;
 use crate::stages::PIPELINE;
@@ -55,6 +57,8 @@ enum Verb {
     Verify(verify::VerifyArgs),
     /// Make room in the store: what nothing reaches goes, then what can be made again
     Gc(gc::GcArgs),
+    /// Say whether this machine can make the paper, how long that takes, and whether the store is whole
+    Doctor(doctor::DoctorArgs),
 }
 
 /// Options of every verb.
@@ -160,9 +164,18 @@ impl Common {
     }
 
     fn open(&self, targets: &[String]) -> Result<Session> {
+        self.open_targets(&targets.iter().map(|text| target(text)).collect::<Result<Vec<_>>>()?)
+    }
+
+    /// The same for whole nodes, whatever pieces the targets name.
+    fn open_nodes(&self, targets: &[String]) -> Result<Session> {
+        let whole = |text: &String| target(text).map(|target| Target { piece: None, ..target });
+        self.open_targets(&targets.iter().map(whole).collect::<Result<Vec<_>>>()?)
+    }
+
+    fn open_targets(&self, targets: &[Target]) -> Result<Session> {
         let params = self.params()?;
-        let targets: Vec<Target> = targets.iter().map(|text| target(text)).collect::<Result<_>>()?;
-        let graph = Graph::new(&PIPELINE, &params, &targets)?;
+        let graph = Graph::new(&PIPELINE, &params, targets)?;
         let ships = params.list(SHIP)?;
         Ok(Session {
             graph,
@@ -204,8 +217,14 @@ impl Session {
         Store::open_on(&self.store, Arc::new(System), &wait_for_gc).map(told_of_locks)
     }
 
-    fn look_at_store(&self) -> Store {
-        told_of_locks(Store::look_on(&self.store, Arc::new(System), &wait_for_gc))
+    /// The store, which need not be there, for reading.
+    fn look_at_store(&self) -> Result<Store> {
+        if self.store.exists() && !self.store.is_dir() {
+            let why = io::ErrorKind::NotADirectory.into();
+            return Err(Error::io("look into the store", &self.store)(why));
+        }
+        let store = Store::look_on(&self.store, Arc::new(System), &wait_for_gc);
+        Ok(told_of_locks(store))
     }
 }
 
@@ -226,7 +245,27 @@ fn wait_for_gc() {
 
 /// Prints a line; a reader that has gone, such as `head`, is no error.
 fn say(line: std::fmt::Arguments<'_>) {
-    let _ = writeln!(std::io::stdout(), "{line}");
+    note(writeln!(std::io::stdout(), "{}", words::plain(&line.to_string())));
+}
+
+/// Why not all of the answer could be printed.
+static UNSAID: Mutex<Option<io::Error>> = Mutex::new(None);
+
+fn note(outcome: io::Result<()>) {
+    if let Err(why) = outcome
+        && why.kind() != io::ErrorKind::BrokenPipe
+    {
+        UNSAID.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(why);
+    }
+}
+
+/// An error if not all of the answer could be printed, as on a full disk.
+fn all_said() -> Result<()> {
+    note(io::stdout().flush());
+    let why = UNSAID.lock().unwrap_or_else(PoisonError::into_inner).take();
+    why.map_or(Ok(()), |why| {
+        Err(Error::io("print the answer to", "standard output")(why))
+    })
 }
 
 fn print_json(value: &serde_json::Value) {
@@ -237,7 +276,7 @@ fn print_json(value: &serde_json::Value) {
 pub fn main() -> ExitCode {
     let verb = Cli::parse().verb;
     interrupt::listen();
-    match forced_level().and_then(|()| act(&verb)) {
+    match forced_level().and_then(|()| act(&verb)).and_then(|()| all_said()) {
         Ok(()) => ExitCode::SUCCESS,
         Err(Error::Interrupted) => interrupt::leave(),
         Err(error) => {
@@ -249,7 +288,7 @@ pub fn main() -> ExitCode {
 
 fn act(verb: &Verb) -> Result<()> {
     match verb {
-        Verb::Run(args) => same_bits().and_then(|()| run::run(args)),
+        Verb::Run(args) => run::run(args),
         Verb::Status(args) => status::status(args),
         Verb::Why(args) => why::why(args),
         Verb::Show(args) => show::show(args),
@@ -257,6 +296,7 @@ fn act(verb: &Verb) -> Result<()> {
         Verb::Graph(args) => graph::graph(args),
         Verb::Verify(args) => verify::verify(args),
         Verb::Gc(args) => gc::gc(args),
+        Verb::Doctor(args) => doctor::doctor(args),
     }
 }
 

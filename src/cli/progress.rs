@@ -6,6 +6,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use indicatif::{MultiProgress, ProgressBar, ProgressDrawTarget, ProgressStyle};
 
+use crate::cli::words::plain;
 use crate::engine::event::Event;
 
 /// Listens to a run and speaks on standard error.
@@ -24,7 +25,7 @@ struct State {
 
 /// Writes a line to standard error; a reader that has gone is no error.
 pub(super) fn tell(line: &str) {
-    let _ = writeln!(std::io::stderr(), "{line}");
+    let _ = writeln!(std::io::stderr(), "{}", plain(line));
 }
 
 fn stage_of(node: &str) -> &str {

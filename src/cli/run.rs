@@ -10,10 +10,12 @@ use serde_json::json;
 
 use crate::cli::interrupt::STOP;
 use crate::cli::progress::Progress;
-use crate::cli::{Common, Session, gc, on_request, print_json, say, status};
+use crate::cli::{Common, Session, gc, on_request, print_json, same_bits, say, status};
 use crate::engine::code;
 use crate::engine::error::{Error, Result};
 use crate::engine::event::Event;
+use crate::engine::idle::{self, Traces};
+use crate::engine::index::Index;
 use crate::engine::lock::Lock;
 use crate::engine::publish;
 use crate::engine::run::Run;
@@ -88,6 +90,12 @@ pub(super) fn workers(j: Option<u16>) -> usize {
 }
 
 fn execute(args: &RunArgs, session: &Session, store: &Store, listener: &(dyn Fn(&Event) + Sync)) -> Result<()> {
+    publish::clear(&session.graph, SHIP, &session.ships, &session.figures, store.root());
+    let index = Index::read(store.root());
+    if is_idle(args, session, store, listener, &index)? {
+        return Ok(());
+    }
+    same_bits()?;
     publish::check_folder(&session.graph, SHIP, &session.ships, &session.figures)?;
     let run = Run::new(&session.graph, store, listener).until(&STOP);
     let outcome = schedule::execute(&run, workers(args.j));
@@ -97,19 +105,45 @@ fn execute(args: &RunArgs, session: &Session, store: &Store, listener: &(dyn Fn(
     let texts = publish::texts(&run, SHIP, &session.ships)?;
     publish::publish(&run, &texts, &session.figures)?;
     outcome?;
-    if (args.target.is_empty() || on_request(&args.target).is_some()) && !args.common.is_custom() {
+    if keeps_lock(args) {
         let lock = Lock::of(&run, args.common.profile.name(), code::RUSTC, &texts)?;
         write_lock(args, &lock)?;
     }
-    Ok(())
+    index.renew(&run)
+}
+
+/// Whether there is nothing to do, which the index tells quickly.
+fn is_idle(
+    args: &RunArgs,
+    session: &Session,
+    store: &Store,
+    listener: &(dyn Fn(&Event) + Sync),
+    index: &Index,
+) -> Result<bool> {
+    let path = args.common.lock_file(&args.target)?;
+    let traces = Traces {
+        axis: SHIP,
+        values: &session.ships,
+        figures: &session.figures,
+        lock: keeps_lock(args).then(|| (&*path, args.common.profile.name())),
+    };
+    Ok(idle::is_idle(
+        &Run::new(&session.graph, store, listener),
+        index,
+        &traces,
+    ))
+}
+
+/// Whether the run has a lock: one of everything, or of an output that only runs on request, parameters as committed.
+fn keeps_lock(args: &RunArgs) -> bool {
+    (args.target.is_empty() || on_request(&args.target).is_some()) && !args.common.is_custom()
 }
 
 /// Writes the lock, unless only the compiler's name would change.
 fn write_lock(args: &RunArgs, lock: &Lock) -> Result<()> {
     let path = args.common.lock_file(&args.target)?;
     let old = fs::read_to_string(&path).ok().and_then(|text| Lock::parse(&text).ok());
-    let same = |old: &Lock| old.lines == lock.lines && old.seed == lock.seed && old.profile == lock.profile;
-    if old.as_ref().is_some_and(same) {
+    if old.is_some_and(|old| old.says_the_same_as(lock)) {
         return Ok(());
     }
     publish::write(&path, &lock.text())

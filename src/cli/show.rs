@@ -5,6 +5,7 @@ use serde_json::json;
 
 use crate::cli::{Common, print_json, say, target};
 use crate::engine::error::{Error, Result};
+use crate::engine::plan::leave_what_nobody_needs;
 use crate::engine::run::{Decision, Run};
 
 /// Arguments of `encounter show`.
@@ -23,14 +24,10 @@ pub struct ShowArgs {
 pub fn show(args: &ShowArgs) -> Result<()> {
     let session = args.common.open(std::slice::from_ref(&args.node))?;
     let target = target(&args.node)?;
-    let store = session.look_at_store();
+    let store = session.look_at_store()?;
     let silent = |_: &_| {};
     let run = Run::new(&session.graph, &store, &silent);
-    for (node, it) in session.graph.nodes.iter().enumerate() {
-        for piece in 0..it.pieces.len() {
-            run.decide(node, piece);
-        }
-    }
+    leave_what_nobody_needs(&run);
     let node = session
         .graph
         .find(&target)

@@ -11,7 +11,7 @@ use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::json;
 
-use crate::cli::interrupt::STOP;
+use crate::cli::interrupt::{STOP, temporary_folder};
 use crate::cli::progress::{Progress, tell};
 use crate::cli::run::workers;
 use crate::cli::{Common, Session, on_request, print_json, same_bits, say};
@@ -80,7 +80,7 @@ pub fn verify(args: &VerifyArgs) -> Result<()> {
             "target `{target}`: expected with --rebuild, or with --lock one that only runs on request"
         )));
     }
-    let session = args.common.open(&args.target)?;
+    let session = args.common.open_nodes(&args.target)?;
     if args.rebuild {
         verify_rebuild(args, &session)
     } else if args.lock {
@@ -96,13 +96,13 @@ fn read_lock(path: &Path) -> Result<Lock> {
         path: path.to_owned(),
         source,
     })?;
-    Lock::parse(&text)
+    Lock::parse_file(&path.display().to_string(), &text)
 }
 
 fn verify_lock(args: &VerifyArgs, session: &Session) -> Result<()> {
     let path = args.common.lock_file(&args.target)?;
     let lock = read_lock(&path)?;
-    let differences = compare_lock(args, session, &lock);
+    let differences = compare_lock(args, session, &lock)?;
     let toolchains = toolchains(&lock);
     if args.common.json {
         print_json(&json!({
@@ -126,7 +126,7 @@ fn verify_lock(args: &VerifyArgs, session: &Session) -> Result<()> {
     Err(Error::Difference(lines.join("\n")))
 }
 
-fn compare_lock(args: &VerifyArgs, session: &Session, lock: &Lock) -> Vec<String> {
+fn compare_lock(args: &VerifyArgs, session: &Session, lock: &Lock) -> Result<Vec<String>> {
     // Published files of a small profile live in its store, which may not be there; only the paper's are committed. What
     // other parameters would publish is in no lock.
     let omitted = if args.common.is_custom() {
@@ -140,11 +140,11 @@ fn compare_lock(args: &VerifyArgs, session: &Session, lock: &Lock) -> Vec<String
     if !is_kept || args.common.is_custom() {
         lock.lines.retain(|line| line.pieces.is_some());
     }
-    let store = session.look_at_store();
+    let store = session.look_at_store()?;
     let silent = |_: &_| {};
     let run = Run::new(&session.graph, &store, &silent);
     let differences = against_lock(&run, &lock, &session.figures);
-    omitted.into_iter().chain(differences).collect()
+    Ok(omitted.into_iter().chain(differences).collect())
 }
 
 /// `NAME: SENTENCE`, each sentence once, with the first name and the number of the others.
@@ -169,7 +169,7 @@ fn by_sentence(differences: &[String]) -> Vec<String> {
 fn verify_store(args: &VerifyArgs, session: &Session) -> Result<()> {
     let start = Instant::now();
     // Garbage is not collected meanwhile.
-    let _shared = session.look_at_store();
+    let shared = session.look_at_store()?;
     let bar = bar_of_bytes();
     let found = audit(&session.store, workers(args.j), &|done, all| {
         bar.set_length(all);
@@ -177,7 +177,7 @@ fn verify_store(args: &VerifyArgs, session: &Session) -> Result<()> {
     });
     bar.finish_and_clear();
     let (found, seconds) = (found?, start.elapsed().as_secs_f64());
-    let differences = lock_in_store(args, session);
+    let differences = lock_in_store(args, session, &shared);
     if args.common.json {
         let mut answer = json!({
             "format": 1, "store": session.store.display().to_string(), "seconds": seconds, "differences": differences,
@@ -194,9 +194,12 @@ fn verify_store(args: &VerifyArgs, session: &Session) -> Result<()> {
     if !found.damaged.is_empty() {
         let (count, store) = (found.damaged.len(), session.store.display());
         let files = if count == 1 { "file is" } else { "files are" };
-        told.push(format!(
-            "{count} {files} damaged and set aside in {store}/quarantine; a run makes again what it needs"
-        ));
+        let where_now = match found.left {
+            0 => format!("and set aside in {store}/quarantine; a run makes again what it needs"),
+            left if left == count => format!("and cannot be set aside in {store}/quarantine"),
+            left => format!("and set aside in {store}/quarantine but for {left}, which cannot be"),
+        };
+        told.push(format!("{count} {files} damaged {where_now}"));
     }
     if let Some(first) = differences.first() {
         told.push(format!("the lock differs from the store: {first}"));
@@ -209,7 +212,7 @@ fn verify_store(args: &VerifyArgs, session: &Session) -> Result<()> {
 }
 
 /// What the profile's lock says otherwise than the store, where both speak of the same recipe.
-fn lock_in_store(args: &VerifyArgs, session: &Session) -> Vec<String> {
+fn lock_in_store(args: &VerifyArgs, session: &Session, store: &Store) -> Vec<String> {
     let lock = args
         .common
         .lock_file(&args.target)
@@ -219,9 +222,8 @@ fn lock_in_store(args: &VerifyArgs, session: &Session) -> Vec<String> {
     match read_lock(&path) {
         Err(error) => vec![error.to_string()],
         Ok(lock) => {
-            let store = session.look_at_store();
             let silent = |_: &_| {};
-            against_store(&Run::new(&session.graph, &store, &silent), &lock)
+            against_store(&Run::new(&session.graph, store, &silent), &lock)
         }
     }
 }
@@ -302,7 +304,7 @@ fn verify_rebuild(args: &VerifyArgs, session: &Session) -> Result<()> {
 
 /// Runs in an empty store and compares what came out.
 fn rebuild(args: &VerifyArgs, session: &Session, lock: &Lock) -> Result<Rebuilt> {
-    let folder = tempfile::tempdir().map_err(Error::io("make a temporary folder", std::env::temp_dir()))?;
+    let folder = temporary_folder()?;
     let store = Store::open(folder.path())?;
     let progress = Progress::new();
     let listener = |event: &Event| progress.hear(event);
@@ -326,7 +328,7 @@ fn rebuild(args: &VerifyArgs, session: &Session, lock: &Lock) -> Result<Rebuilt>
     }
     let against = Against {
         lock,
-        ordinary: &session.look_at_store(),
+        ordinary: &session.look_at_store()?,
         whole: args.target.is_empty() || on_request(&args.target).is_some(),
         workers: workers(args.j),
     };

@@ -27,7 +27,7 @@ pub struct WhyArgs {
 pub fn why(args: &WhyArgs) -> Result<()> {
     let (session, nodes) = open(args)?;
     let piece = target(&args.node)?.piece;
-    let store = session.look_at_store();
+    let store = session.look_at_store()?;
     let plan = Plan::new(&session.graph, &store, &nodes);
     let answer = walk(&plan, &nodes, piece);
     let stale = code::stale(&Common::root()?);
@@ -90,8 +90,13 @@ fn print_records(session: &Session, nodes: &[usize], records: &[Kept]) {
         let (key, id) = (&record.key, &record.id);
         let kept = if record.evicted { ", not kept" } else { "" };
         let seconds = words::seconds(record.seconds);
+        let equal = if names.contains(&record.node) {
+            ""
+        } else {
+            "  (an equal case, made first)"
+        };
         say(format_args!(
-            "  {}  items {}+{}",
+            "  {}  items {}+{}{equal}",
             record.node, record.first, record.items
         ));
         say(format_args!("    key   {key}\n    id    {id}"));

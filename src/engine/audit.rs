@@ -18,7 +18,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use rayon::iter::{IntoParallelRefIterator, ParallelIterator};
 use serde::Serialize;
 
-use crate::engine::disk::{read_regular, read_text};
+use crate::engine::disk::{Listed, files_in, read_regular, read_text};
 use crate::engine::error::{Error, Result};
 use crate::engine::id::Id;
 use crate::engine::manifest;
@@ -44,6 +44,9 @@ pub struct Audit {
     pub manifests: u64,
     /// Bytes read.
     pub bytes: u64,
+    /// Damaged files that could not be moved to `quarantine/`, such as those of a store that may only be read.
+    #[serde(skip)]
+    pub left: usize,
     /// Bytes that are not what their name says.
     pub damaged: Vec<Finding>,
     /// What no record names.
@@ -66,9 +69,6 @@ pub struct Finding {
 /// What is heard while an audit goes on: bytes looked at, bytes in all.
 pub type Heard<'a> = dyn Fn(u64, u64) + Sync + 'a;
 
-/// A file of the store and its length.
-type Listed = (PathBuf, u64);
-
 /// One file looked at: bytes read, or what is wrong.
 type Checked<T> = (T, std::result::Result<u64, String>);
 
@@ -86,17 +86,17 @@ pub fn audit(root: &Path, workers: usize, heard: &Heard<'_>) -> Result<Audit> {
         .build()
         .map_err(|why| Error::Usage(format!("-j {workers}: cannot start the workers: {why}")))?;
     // A record is written after its object: listed first, none of them waits for an object yet to come.
-    let records = files(&root.join("records"))?;
-    let parts = files(&root.join("parts"))?;
-    let manifests = files(&root.join("manifests"))?;
-    let objects = files(&root.join("objects"))?;
+    let records = files_in(&root.join("records"))?;
+    let parts = files_in(&root.join("parts"))?;
+    let manifests = files_in(&root.join("manifests"))?;
+    let objects = files_in(&root.join("objects"))?;
     let total: u64 = [&records, &parts, &manifests, &objects]
         .into_iter()
         .flatten()
-        .map(|(_, bytes)| bytes)
-        .sum();
+        // Sparse files may be as long as they say.
+        .fold(0, |all, file| all.saturating_add(file.bytes));
     let done = AtomicU64::new(0);
-    let look = |bytes: u64| heard(done.fetch_add(bytes, Ordering::Relaxed) + bytes, total);
+    let look = |bytes: u64| heard(done.fetch_add(bytes, Ordering::Relaxed).saturating_add(bytes), total);
     heard(0, total);
     let mut audit = Audit {
         objects: objects.len() as u64,
@@ -127,8 +127,8 @@ impl Audit {
         let read: Vec<(&Listed, std::result::Result<Record, String>)> = files
             .par_iter()
             .map(|file| {
-                let record = record(root, &file.0);
-                look(file.1);
+                let record = record(root, &file.path);
+                look(file.bytes);
                 (file, record)
             })
             .collect();
@@ -136,16 +136,16 @@ impl Audit {
         for (file, record) in read {
             let record = match record {
                 Ok(record) => record,
-                Err(_) if name(root, "records", &file.0).is_none() => {
-                    self.orphaned.push(finding(root, &file.0, "", STRAY));
+                Err(_) if name(root, "records", &file.path).is_none() => {
+                    self.orphaned.push(finding(root, &file.path, "", STRAY));
                     continue;
                 }
                 Err(why) => {
-                    self.put_away(root, &file.0, "", why);
+                    self.put_away(root, &file.path, "", why);
                     continue;
                 }
             };
-            self.bytes += file.1;
+            self.bytes = self.bytes.saturating_add(file.bytes);
             let Some(id) = Id::parse(&record.id) else { continue };
             let node = told(&record);
             let evicted = record.evicted;
@@ -159,7 +159,7 @@ impl Audit {
     fn lists(&mut self, root: &Path, files: &[Listed], check: &Check<'_>, look: &(dyn Fn(u64) + Sync)) {
         let checked: Vec<Checked<&PathBuf>> = files
             .par_iter()
-            .map(|(path, bytes)| {
+            .map(|Listed { path, bytes, .. }| {
                 let found = check(path).map(|()| *bytes);
                 look(*bytes);
                 (path, found)
@@ -167,7 +167,7 @@ impl Audit {
             .collect();
         for (path, found) in checked {
             match found {
-                Ok(bytes) => self.bytes += bytes,
+                Ok(bytes) => self.bytes = self.bytes.saturating_add(bytes),
                 Err(_) if name(root, kind(root, path), path).is_none() => {
                     self.orphaned.push(finding(root, path, "", STRAY));
                 }
@@ -181,7 +181,7 @@ impl Audit {
             .par_iter()
             .map_init(
                 || vec![0; BUFFER],
-                |buffer, (path, bytes)| {
+                |buffer, Listed { path, bytes, .. }| {
                     let id = name(root, "objects", path).and_then(|hex| Id::parse(&hex));
                     let found = id.map_or(Ok(0), |id| object(&id, path, buffer));
                     look(*bytes);
@@ -199,7 +199,7 @@ impl Audit {
             present.insert(id);
             let node = named.get(&id).map_or("", |named| named.node.as_str());
             match found {
-                Ok(bytes) => self.bytes += bytes,
+                Ok(bytes) => self.bytes = self.bytes.saturating_add(bytes),
                 Err(why) => {
                     self.put_away(root, path, node, why);
                     continue;
@@ -236,6 +236,7 @@ impl Audit {
         let moved = fs::create_dir_all(&folder).and_then(|()| fs::rename(path, folder.join(name + suffix)));
         // A run that reads may have been faster.
         if let Some(refused) = moved.err().filter(|refused| refused.kind() != ErrorKind::NotFound) {
+            self.left += 1;
             why = format!("{why}; it cannot be moved to quarantine: {refused}");
         }
         self.damaged.push(finding(root, path, node, &why));
@@ -248,7 +249,10 @@ fn told(record: &Record) -> String {
     match (record.first, record.items) {
         (0, 1) => node.clone(),
         (first, 1) => format!("{node}, item {first}"),
-        (first, items) => format!("{node}, items {first} to {}", first + items.saturating_sub(1)),
+        (first, items) => format!(
+            "{node}, items {first} to {}",
+            first.saturating_add(items.saturating_sub(1))
+        ),
     }
 }
 
@@ -336,26 +340,4 @@ fn list_of_pieces(root: &Path, path: &Path) -> std::result::Result<(), String> {
     let ids = manifest::parse(&content, &bytes);
     ids.map(|_| ())
         .ok_or_else(|| "its ids do not hash to the name".to_owned())
-}
-
-/// Every file below a folder, sorted; none if there is no such folder.
-fn files(folder: &Path) -> Result<Vec<Listed>> {
-    let mut listed = Vec::new();
-    let entries = match fs::read_dir(folder) {
-        Err(why) if why.kind() == ErrorKind::NotFound => return Ok(listed),
-        entries => entries.map_err(Error::io("read the folder", folder))?,
-    };
-    for entry in entries {
-        let entry = entry.map_err(Error::io("read the folder", folder))?;
-        let path = entry.path();
-        match entry.metadata() {
-            Ok(metadata) if metadata.is_dir() => listed.extend(files(&path)?),
-            Ok(metadata) => listed.push((path, metadata.len())),
-            // Gone since it was listed: a run that works meanwhile.
-            Err(why) if why.kind() == ErrorKind::NotFound => {}
-            Err(why) => return Err(Error::io("look at", path)(why)),
-        }
-    }
-    listed.sort();
-    Ok(listed)
 }

@@ -75,6 +75,26 @@ pub fn ulp_distance(a: f64, b: f64) -> Option<u64> {
     (!a.is_nan() && !b.is_nan()).then(|| place(a).abs_diff(place(b)) as u64)
 }
 
+/// The first number in a tree that is NaN or infinite, and the way to it.
+pub(crate) fn first_not_finite(tree: &Tree) -> Option<(String, f64)> {
+    fn within(tree: &Tree, path: &Path<'_>) -> Option<(String, f64)> {
+        match tree {
+            Tree::Real(number) => (!number.is_finite()).then(|| (path.to_string(), *number)),
+            Tree::List(list) => {
+                let mut places = list.iter().enumerate();
+                places.find_map(|(place, inner)| within(inner, &Path::Place(path, place)))
+            }
+            Tree::Fields(fields) => {
+                let mut fields = fields.iter();
+                fields.find_map(|(name, inner)| within(inner, &Path::Field(path, name)))
+            }
+            Tree::Variant(name, inner) => within(inner, &Path::Field(path, name)),
+            Tree::Nothing | Tree::Truth(_) | Tree::Whole(_) | Tree::Text(_) => None,
+        }
+    }
+    within(tree, &Path::Root).map(|(path, number)| (if path.is_empty() { "value".to_owned() } else { path }, number))
+}
+
 /// What two trees differ in; none if they are equal.
 pub(crate) fn between(earlier: &Tree, later: &Tree) -> Option<Difference> {
     let mut walk = Walk::default();

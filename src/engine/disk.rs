@@ -3,9 +3,11 @@
 
 use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io;
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::time::SystemTime;
 
 use crate::engine::codec::LIMIT;
+use crate::engine::error::{Error, Result};
 
 /// The file operations of the store.
 pub trait Disk: Send + Sync {
@@ -55,7 +57,7 @@ pub trait Disk: Send + Sync {
     ///
     /// # Errors
     /// Somebody is in the way, or the file system has no locks.
-    fn try_lock(&self, file: &File, exclusive: bool) -> Result<(), TryLockError>;
+    fn try_lock(&self, file: &File, exclusive: bool) -> std::result::Result<(), TryLockError>;
 }
 
 /// All bytes of a regular file no longer than an object may be: a pipe in a store is not waited for, a huge file not held.
@@ -80,6 +82,41 @@ pub(crate) fn read_regular(path: &Path) -> io::Result<Vec<u8>> {
 /// Those of [`read_regular`]; bytes that are no text.
 pub(crate) fn read_text(path: &Path) -> io::Result<String> {
     String::from_utf8(read_regular(path)?).map_err(|why| io::Error::new(io::ErrorKind::InvalidData, why))
+}
+
+/// A file that was found in a folder.
+pub(crate) struct Listed {
+    pub(crate) path: PathBuf,
+    pub(crate) bytes: u64,
+    pub(crate) modified: SystemTime,
+}
+
+/// Every file below a folder, sorted; none if there is no such folder.
+///
+/// # Errors
+/// A folder that cannot be read: what lies in it is not known.
+pub(crate) fn files_in(folder: &Path) -> Result<Vec<Listed>> {
+    let mut listed = Vec::new();
+    let entries = match fs::read_dir(folder) {
+        Err(why) if why.kind() == io::ErrorKind::NotFound => return Ok(listed),
+        entries => entries.map_err(Error::io("read the folder", folder))?,
+    };
+    for entry in entries {
+        let entry = entry.map_err(Error::io("read the folder", folder))?;
+        let path = entry.path();
+        match entry.metadata() {
+            Ok(found) if found.is_dir() => listed.extend(files_in(&path)?),
+            Ok(found) => {
+                let (bytes, modified) = (found.len(), found.modified().unwrap_or(SystemTime::UNIX_EPOCH));
+                listed.push(Listed { path, bytes, modified });
+            }
+            // Gone since it was listed: a run that works meanwhile.
+            Err(why) if why.kind() == io::ErrorKind::NotFound => {}
+            Err(why) => return Err(Error::io("look at", path)(why)),
+        }
+    }
+    listed.sort_by(|a, b| a.path.cmp(&b.path));
+    Ok(listed)
 }
 
 /// Bytes of the longest file that belongs to a store.
@@ -120,7 +157,7 @@ impl Disk for System {
         OpenOptions::new().write(true).create(true).truncate(false).open(path)
     }
 
-    fn try_lock(&self, file: &File, exclusive: bool) -> Result<(), TryLockError> {
+    fn try_lock(&self, file: &File, exclusive: bool) -> std::result::Result<(), TryLockError> {
         if exclusive {
             file.try_lock()
         } else {

@@ -5,12 +5,13 @@
 //! go, by bytes x age / seconds to make them again. Their records stay, so nothing below them runs again.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::ffi::OsStr;
 use std::fs::{self, File};
 use std::io;
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
-use crate::engine::disk::{Disk, System, read_text};
+use crate::engine::disk::{Disk, Listed, System, files_in, read_text};
 use crate::engine::error::{Error, Result};
 use crate::engine::id::Id;
 use crate::engine::lock::Lock;
@@ -46,13 +47,6 @@ pub struct Sweep {
 struct Noted {
     path: PathBuf,
     record: Record,
-}
-
-/// A file of the store.
-struct Item {
-    path: PathBuf,
-    bytes: u64,
-    modified: SystemTime,
 }
 
 /// The store, which nobody else is reading or writing.
@@ -102,31 +96,32 @@ pub fn locks_in(root: &Path) -> Result<Vec<(String, String)>> {
 }
 
 /// The size of a store, without what belongs to the user, bytes.
-pub fn bytes(root: &Path) -> u64 {
+///
+/// # Errors
+/// A folder that cannot be read.
+pub fn bytes(root: &Path) -> Result<u64> {
     let folders = ["objects", "records", "parts", "manifests", "tmp", "locks", "quarantine"];
-    let items = folders.into_iter().flat_map(|folder| files_in(&root.join(folder)));
-    items.map(|item| item.bytes).sum()
+    folders.into_iter().try_fold(0, |all: u64, folder| {
+        let files = files_in(&root.join(folder))?;
+        Ok(files.iter().fold(all, |all, file| all.saturating_add(file.bytes)))
+    })
 }
 
 /// Finds what can go: all that nothing reaches, then what may go until the store is within `bound`. `committed` are the
 /// texts of locks elsewhere, such as in git; one that cannot be read is none.
 ///
 /// # Errors
-/// A lock beside the store that is damaged, so that what it reaches is not known.
+/// A lock beside the store that is damaged, or a folder that cannot be read, so that what they reach is not known.
 pub fn plan(root: &Path, pipeline: &Pipeline, committed: &[String], bound: u64) -> Result<Sweep> {
     let mut locks = Vec::new();
     for (name, text) in locks_in(root)? {
-        let lock = Lock::parse(&text).map_err(|error| Error::Damaged {
-            what: root.join(name).display().to_string(),
-            why: error.to_string(),
-        })?;
-        locks.push(lock);
+        locks.push(Lock::parse_file(&root.join(name).display().to_string(), &text)?);
     }
     locks.extend(committed.iter().filter_map(|text| Lock::parse(text).ok()));
-    let scan = Scan::new(root);
+    let scan = Scan::new(root)?;
     let roots = Roots::new(root, &locks, &scan);
     let mut sweep = Sweep {
-        bytes: bytes(root),
+        bytes: bytes(root)?,
         ..Sweep::default()
     };
     sweep.take_garbage(&scan, &roots);
@@ -161,25 +156,25 @@ fn remove(path: &Path) -> Result<()> {
 
 /// Everything in a store but what belongs to the user.
 struct Scan {
-    objects: BTreeMap<Id, Item>,
+    objects: BTreeMap<Id, Listed>,
     records: BTreeMap<Id, Vec<(Noted, SystemTime)>>,
-    damaged: Vec<Item>,
-    parts: Vec<Item>,
-    manifests: Vec<Item>,
+    damaged: Vec<Listed>,
+    parts: Vec<Listed>,
+    manifests: Vec<Listed>,
     /// `tmp/`, `locks/`, `quarantine/`.
-    rest: Vec<Item>,
+    rest: Vec<Listed>,
     record_bytes: BTreeMap<PathBuf, u64>,
 }
 
 impl Scan {
-    fn new(root: &Path) -> Self {
-        let named_objects = files_in(&root.join("objects")).into_iter();
+    fn new(root: &Path) -> Result<Self> {
+        let named_objects = files_in(&root.join("objects"))?.into_iter();
         let objects = named_objects
             .filter_map(|item| Some((named(&item.path)?, item)))
             .collect();
         let mut records: BTreeMap<Id, Vec<(Noted, SystemTime)>> = BTreeMap::new();
         let (mut damaged, mut record_bytes) = (Vec::new(), BTreeMap::new());
-        for item in files_in(&root.join("records"))
+        for item in files_in(&root.join("records"))?
             .into_iter()
             .filter(|item| is_record(&item.path))
         {
@@ -195,25 +190,21 @@ impl Scan {
                 }
             }
         }
+        let mut rest = Vec::new();
+        for folder in ["tmp", "locks", "quarantine"] {
+            rest.extend(files_in(&root.join(folder))?);
+        }
         // Only what the store names: a stranger's file is not ours to remove.
-        let rest = ["tmp", "locks", "quarantine"].into_iter().flat_map(|folder| {
-            let items = files_in(&root.join(folder)).into_iter();
-            items.filter(|item| {
-                item.path
-                    .file_name()
-                    .and_then(|name| name.to_str())
-                    .is_some_and(is_ours)
-            })
-        });
-        Self {
+        rest.retain(|item| item.path.file_name().and_then(OsStr::to_str).is_some_and(is_ours));
+        Ok(Self {
             objects,
             records,
             damaged,
-            parts: files_in(&root.join("parts")),
-            manifests: files_in(&root.join("manifests")),
-            rest: rest.collect(),
+            parts: files_in(&root.join("parts"))?,
+            manifests: files_in(&root.join("manifests"))?,
+            rest,
             record_bytes,
-        }
+        })
     }
 
     /// What it took to make an output, seconds.
@@ -275,9 +266,9 @@ impl Sweep {
         self.evicted.len()
     }
 
-    fn take(&mut self, item: &Item) {
+    fn take(&mut self, item: &Listed) {
         self.garbage.push(item.path.clone());
-        self.freed += item.bytes;
+        self.freed = self.freed.saturating_add(item.bytes);
     }
 
     fn take_garbage(&mut self, scan: &Scan, roots: &Roots) {
@@ -287,7 +278,8 @@ impl Sweep {
                 if roots.ids.contains(id) {
                     named_parts.push_str(&noted.record.text());
                 } else {
-                    self.freed += scan.record_bytes.get(&noted.path).copied().unwrap_or(0);
+                    let bytes = scan.record_bytes.get(&noted.path).copied().unwrap_or(0);
+                    self.freed = self.freed.saturating_add(bytes);
                     self.garbage.push(noted.path.clone());
                 }
             }
@@ -297,10 +289,10 @@ impl Sweep {
             self.unreached += 1;
             self.seconds += scan.seconds(id);
         }
-        let stem = |item: &Item| item.path.file_stem().map(|stem| stem.to_string_lossy().into_owned());
+        let stem = |item: &Listed| item.path.file_stem().map(|stem| stem.to_string_lossy().into_owned());
         let words: BTreeSet<&str> = named_parts.split('"').filter(|word| word.len() == 64).collect();
-        let unnamed = |item: &&Item| stem(item).is_none_or(|stem| !words.contains(stem.as_str()));
-        let unused = |item: &&Item| named(&item.path).is_none_or(|content| !roots.contents.contains(&content));
+        let unnamed = |item: &&Listed| stem(item).is_none_or(|stem| !words.contains(stem.as_str()));
+        let unused = |item: &&Listed| named(&item.path).is_none_or(|content| !roots.contents.contains(&content));
         for item in scan.parts.iter().filter(unnamed) {
             self.take(item);
         }
@@ -314,7 +306,7 @@ impl Sweep {
 
     fn take_evictable(&mut self, scan: &Scan, roots: &Roots, pipeline: &Pipeline, bound: u64) {
         let now = SystemTime::now();
-        let mut worth: Vec<(f64, &Id, &Item)> = Vec::new();
+        let mut worth: Vec<(f64, &Id, &Listed)> = Vec::new();
         for (id, item) in scan.objects.iter().filter(|(id, _)| roots.ids.contains(id)) {
             let records = scan.records.get(id).map_or(&[][..], Vec::as_slice);
             if records.is_empty() || !records.iter().all(|(noted, _)| may_go(&noted.record, pipeline)) {
@@ -331,7 +323,7 @@ impl Sweep {
             }
             let records = scan.records[id].iter().map(|(noted, _)| noted.clone()).collect();
             self.evicted.push((item.path.clone(), records));
-            self.freed += item.bytes;
+            self.freed = self.freed.saturating_add(item.bytes);
             self.seconds += scan.seconds(id);
         }
     }
@@ -344,10 +336,11 @@ fn may_go(record: &Record, pipeline: &Pipeline) -> bool {
     node.is_some_and(|node| node.keep() != Keep::Always && !node.is_published())
 }
 
-/// Whether a temporary, locked or quarantined file has a name that the store gives: hexadecimal, with what follows a dash.
+/// Whether a temporary, locked or quarantined file has a name that the store gives: hexadecimal, with what follows a dash,
+/// or that of the one other lock.
 fn is_ours(name: &str) -> bool {
     let hex = name.split(['-', '.']).next().unwrap_or_default();
-    hex.len() >= 16 && hex.bytes().all(|byte| byte.is_ascii_hexdigit())
+    name == runs::TURN || (hex.len() >= 16 && hex.bytes().all(|byte| byte.is_ascii_hexdigit()))
 }
 
 fn is_record(path: &Path) -> bool {
@@ -357,19 +350,4 @@ fn is_record(path: &Path) -> bool {
 fn named(path: &Path) -> Option<Id> {
     let (name, folder) = (path.file_name()?, path.parent()?.file_name()?);
     Id::parse(&format!("{}{}", folder.to_str()?, name.to_str()?))
-}
-
-fn files_in(folder: &Path) -> Vec<Item> {
-    let mut items = Vec::new();
-    for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
-        let path = entry.path();
-        let Ok(found) = entry.metadata() else { continue };
-        if found.is_dir() {
-            items.extend(files_in(&path));
-        } else {
-            let (bytes, modified) = (found.len(), found.modified().unwrap_or(SystemTime::UNIX_EPOCH));
-            items.push(Item { path, bytes, modified });
-        }
-    }
-    items
 }

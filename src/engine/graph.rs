@@ -11,6 +11,7 @@ use crate::engine::params::{ParamsFile, nearest};
 use crate::engine::pipeline::Pipeline;
 use crate::engine::stage::{Pieces, Select};
 use crate::engine::streams::Streams;
+use crate::engine::target::Target;
 
 /// One case of one node.
 pub struct NodeCase {
@@ -41,60 +42,10 @@ pub struct Graph {
     pub seed: u64,
     /// The node cases that were asked for.
     pub targets: Vec<usize>,
+    /// Per node case and piece: whether it was asked for, or is read on the way to one that was.
+    pub(crate) wanted: Vec<Vec<bool>>,
     /// The parameters in force, each with the place where it was written.
     pub(crate) params: ParamsFile,
-}
-
-/// What the command line names: a stage, a node or a piece.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Target {
-    /// The stage's name.
-    pub stage: String,
-    /// The case, as printed.
-    pub case: Option<String>,
-    /// The piece's number.
-    pub piece: Option<usize>,
-}
-
-impl Target {
-    /// Reads `STAGE[/CASE[/PIECE]]`; a stage without cases takes `STAGE/PIECE`.
-    ///
-    /// # Errors
-    /// More parts than these, or a piece that is no number.
-    pub fn parse(text: &str) -> Result<Self> {
-        let refuse = |found: &str| {
-            let expected = "expected STAGE[/CASE[/PIECE]], such as ground_truth/calibrated-S1/17";
-            Error::Usage(format!("target `{text}`: {expected}, found {found}"))
-        };
-        let mut parts = text.split('/');
-        let stage = parts.next().unwrap_or_default().to_owned();
-        let rest: Vec<&str> = parts.collect();
-        Ok(match rest.as_slice() {
-            [] => Self {
-                stage,
-                case: None,
-                piece: None,
-            },
-            [one] => match one.parse() {
-                Ok(piece) => Self {
-                    stage,
-                    case: None,
-                    piece: Some(piece),
-                },
-                Err(_) => Self {
-                    stage,
-                    case: Some((*one).to_owned()),
-                    piece: None,
-                },
-            },
-            [case, piece] => Self {
-                stage,
-                case: Some((*case).to_owned()),
-                piece: Some(piece.parse().map_err(|_| refuse(&format!("the piece `{piece}`")))?),
-            },
-            more => return Err(refuse(&format!("{} parts", more.len() + 1))),
-        })
-    }
 }
 
 impl NodeCase {
@@ -164,9 +115,42 @@ impl Graph {
         }
         let places = builder.wanted.keys().map(|(place, _)| *place).collect();
         pipeline.check_rules(params, &checked, &places)?;
-        let graph = builder.link(&asked)?;
+        let mut graph = builder.link(&asked)?;
         targets.iter().try_for_each(|target| graph.check_piece(target))?;
+        graph.want_pieces(targets);
         Ok(graph)
+    }
+
+    /// Marks the pieces that some targets need: a target that names one wants no other of its node.
+    fn want_pieces(&mut self, targets: &[Target]) {
+        for node in &self.targets {
+            let it = &self.nodes[*node];
+            let names = |target: &&Target| target.is_of(it.node.name(), &it.case.to_string());
+            let named: Vec<Option<usize>> = targets.iter().filter(names).map(|target| target.piece).collect();
+            let whole = named.is_empty() || named.contains(&None);
+            for (piece, wanted) in self.wanted[*node].iter_mut().enumerate() {
+                *wanted = whole || named.contains(&Some(piece));
+            }
+        }
+        for node in (0..self.nodes.len()).rev() {
+            let of_node = self.wanted[node].clone();
+            for link in &self.nodes[node].links {
+                for up in &link.upstream {
+                    for (piece, wanted) in self.wanted[*up].iter_mut().enumerate() {
+                        *wanted |= match link.kind {
+                            Kind::Each => of_node[piece],
+                            Kind::One | Kind::All | Kind::Cases => of_node.contains(&true),
+                        };
+                    }
+                }
+            }
+        }
+    }
+
+    /// The wanted pieces of a node case.
+    pub(crate) fn wanted_pieces(&self, node: usize) -> impl Iterator<Item = usize> {
+        let pieces = self.wanted[node].iter().enumerate();
+        pieces.filter(|(_, wanted)| **wanted).map(|(piece, _)| piece)
     }
 
     /// A piece that a target names exists.
@@ -185,10 +169,9 @@ impl Graph {
 
     /// The node case with a name as printed.
     pub fn find(&self, target: &Target) -> Option<usize> {
-        self.nodes.iter().position(|node| {
-            let case = node.case.to_string();
-            node.node.name() == target.stage && target.case.as_ref().is_none_or(|wanted| *wanted == case)
-        })
+        self.nodes
+            .iter()
+            .position(|node| target.is_of(node.node.name(), &node.case.to_string()))
     }
 }
 
@@ -375,7 +358,9 @@ impl<'a> Builder<'a> {
         let mut targets: Vec<usize> = asked.iter().map(|slot| index[slot]).collect();
         targets.sort_unstable();
         targets.dedup();
+        let wanted = nodes.iter().map(|node| vec![false; node.pieces.len()]).collect();
         Ok(Graph {
+            wanted,
             nodes,
             seed,
             targets,

@@ -12,7 +12,7 @@ use crate::engine::disk::read_text;
 use crate::engine::id::{Id, Key};
 use crate::engine::parts::{CodePart, InputsPart, ParamsPart, get};
 use crate::engine::record::Record;
-use crate::engine::store::Store;
+use crate::engine::store::{Store, path_in};
 
 /// What a store remembers.
 pub(crate) struct History<'s> {
@@ -109,9 +109,7 @@ impl<'s> History<'s> {
 
 /// Whether there is a file where the record of a key lies.
 pub(crate) fn has_record_file(store: &Store, key: &Key) -> bool {
-    let hex = key.to_string();
-    let folder = store.root().join("records").join(&hex[..2]);
-    folder.join(format!("{}.json", &hex[2..])).is_file()
+    path_in(store.root(), "records", &key.to_string(), ".json").is_file()
 }
 
 /// The stage of a node's name.

@@ -19,6 +19,8 @@ pub struct Lock {
     pub profile: String,
     /// The root seed.
     pub seed: u64,
+    /// The layout of the keys that the recipes are.
+    pub keys: u32,
     /// The compiler that made it: recorded, not compared.
     pub made_with: String,
     /// Stage -> the first 16 digits of its code's fingerprint.
@@ -79,6 +81,7 @@ impl Lock {
         Ok(Self {
             profile: profile.to_owned(),
             seed: run.graph.seed,
+            keys: KEY_SCHEMA,
             made_with: made_with.to_owned(),
             code: codes(run).map(|code| (code.stage.to_owned(), short(code))).collect(),
             crates: crates(codes(run)),
@@ -86,11 +89,17 @@ impl Lock {
         })
     }
 
+    /// Whether two locks differ at most in the compiler's name.
+    pub fn says_the_same_as(&self, other: &Self) -> bool {
+        let head = |lock: &Self| (lock.seed, lock.keys, lock.profile.clone());
+        self.lines == other.lines && head(self) == head(other)
+    }
+
     /// The text that is committed.
     pub fn text(&self) -> String {
         let mut text = format!(
-            "encounter-lock 1  profile {}  seed {}  keys {KEY_SCHEMA}  made-with {}\n",
-            self.profile, self.seed, self.made_with
+            "encounter-lock 1  profile {}  seed {}  keys {}  made-with {}\n",
+            self.profile, self.seed, self.keys, self.made_with
         );
         let versions = |(name, versions): (&String, &Vec<String>)| format!("{name} {}", versions.join(" "));
         list(&mut text, CRATES, self.crates.iter().map(versions));
@@ -116,6 +125,20 @@ impl Lock {
         text
     }
 
+    /// Reads a lock; an error names its file.
+    ///
+    /// # Errors
+    /// The first line that is none.
+    pub fn parse_file(name: &str, text: &str) -> Result<Self> {
+        Self::parse(text).map_err(|error| match error {
+            Error::Damaged { what, why } => Error::Damaged {
+                what: what.replacen("the lock", name, 1),
+                why,
+            },
+            other => other,
+        })
+    }
+
     /// Reads a lock; a hostile one gives an error.
     ///
     /// # Errors
@@ -125,6 +148,11 @@ impl Lock {
             what: format!("the lock, line {line}"),
             why: format!("{why}; a complete `encounter run` writes it anew"),
         };
+        // It is shown to people: what is no text must not reach their terminal.
+        let is_plain = |row: &str| row.bytes().all(|byte| byte == b'\t' || (b' '..=b'~').contains(&byte));
+        if let Some(number) = text.lines().position(|row| !is_plain(row)) {
+            return Err(refuse(number + 1, "expected plain text in ASCII"));
+        }
         let mut rows = text.lines().enumerate();
         let head = rows.next().map_or("", |(_, head)| head);
         let words: Vec<&str> = head.split_whitespace().collect();
@@ -136,7 +164,7 @@ impl Lock {
             "seed",
             seed,
             "keys",
-            _,
+            keys,
             "made-with",
             made_with @ ..,
         ] = words.as_slice()
@@ -150,6 +178,9 @@ impl Lock {
             return Err(refuse(1, "expected encounter-lock 1"));
         }
         let seed = seed.parse().map_err(|_| refuse(1, "expected a seed"))?;
+        let keys = keys
+            .parse()
+            .map_err(|_| refuse(1, "expected the number of the key schema"))?;
         let (mut lines, mut code, mut crates) = (Vec::new(), BTreeMap::new(), BTreeMap::new());
         for (number, row) in rows.filter(|(_, row)| !row.starts_with('#') && !row.trim().is_empty()) {
             if let Some(listed) = row.strip_prefix(CRATES) {
@@ -167,6 +198,7 @@ impl Lock {
         Ok(Self {
             profile: (*profile).to_owned(),
             seed,
+            keys,
             made_with: made_with.join(" "),
             code,
             crates,

@@ -26,8 +26,9 @@
 //! names of inputs that records name, each stored once: they explain, they are no truth), `tmp/` (being written),
 //! `quarantine/` (damaged files, and both outputs of a stage that is not reproducible), `PROFILE.lock` (the committed
 //! contents). Publication: object, then record, each by a temporary file and a rename, synchronised before the record
-//! counts. An object without a record is garbage, never a lie; a record whose
-//! object is gone or damaged is a miss: made again, and required to have its recorded id.
+//! counts. An object without a record is garbage, never a lie. A record whose object is damaged is healed as soon as that is
+//! seen; one whose object was deleted when somebody needs it. Made again, it is required to have its recorded id. No NaN
+//! and no infinity gets into an artifact (`finite`).
 //!
 //! Several runs may share a store: `locks/KEY` is locked while its piece is made and until its record can be read, so each
 //! key is made once; the kernel frees the lock of a process that dies. `store.lock` is held shared by every verb, and by
@@ -37,14 +38,20 @@
 //! Outputs marked [`Keep::Evict`](crate::engine::stage::Keep) are hashed and recorded but not written; when a reader needs
 //! one and it has left memory, it is made again and checked. What `gc` took to make room is treated alike.
 //!
+//! `index` holds key, id and stat of each object as last verified: with it a run finds quickly that it has nothing to do, and
+//! `status` that a piece is cached. It decides nothing else, and may be deleted. Trust in a stat (size, mtime, ctime, inode,
+//! none of them younger than 2 s when the object was verified) ends where bytes rot on the medium under an unchanged one:
+//! that is seen when the object is read for use, which always verifies, or by `verify --store`, which reads everything.
+//!
 //! Before a run, a plan says of each piece: cached; will run; may run, if an input comes out changed. `why` compares what a
 //! piece would be made from with the nearest record of it (fewest differences, of those the latest, so that another
 //! profile in the same store explains nothing) and walks the inputs to the root changes. A record from before parts were
 //! kept is a hit like any other; what it cannot tell is said to be unrecorded.
 //!
 //! Order of reading: `stage`, `arrow`, `node`; `case`, `params`, `pipeline`, `graph`; `key`, `code`, `run`, `schedule`,
-//! `queue`; `store`, `disk`, `flight`, `object`, `record`, `parts`; `lock`, `verify`, `audit`, `rebuild`, `difference`,
-//! `publish`, `runs`, `gc`; `plan`, `history`, `compare`, `explain`, `why`; `revision`, `versions`; `chart`; `stop`.
+//! `queue`; `store`, `disk`, `flight`, `object`, `record`, `parts`, `finite`, `index`, `idle`; `lock`, `verify`, `audit`,
+//! `rebuild`, `difference`, `publish`, `runs`, `gc`; `plan`, `history`, `compare`, `explain`, `why`; `revision`, `versions`;
+//! `chart`; `stop`. What the command line names is in `target`, how parameter tables are laid over each other in `layers`.
 
 pub mod arrow;
 pub mod audit;
@@ -62,17 +69,21 @@ pub mod error;
 pub mod event;
 mod explain;
 mod fields;
+pub mod finite;
 mod flight;
 pub mod gc;
 pub mod graph;
 mod history;
 pub mod id;
+pub mod idle;
+pub mod index;
 pub mod key;
+mod layers;
 pub mod lock;
 mod manifest;
 mod memo;
 pub mod node;
-mod object;
+pub mod object;
 pub mod params;
 pub mod parts;
 pub mod pipeline;
@@ -92,6 +103,7 @@ pub mod stage;
 pub mod stop;
 pub mod store;
 pub mod streams;
+pub mod target;
 mod tree;
 mod twice;
 pub mod verify;

@@ -12,6 +12,7 @@ use crate::engine::decode::{Fault, decode};
 use crate::engine::difference::{self, Difference};
 use crate::engine::error::Result;
 use crate::engine::fields::field_names;
+use crate::engine::finite;
 use crate::engine::read::Reader;
 use crate::engine::stage::{Here, Keep, Pieces, Published, Select, Stage};
 use crate::engine::tree::{Tree, tree};
@@ -127,6 +128,7 @@ impl<S: Stage> Node for Of<S> {
             .downcast_ref::<S::Params>()
             .expect("a node is handed its own parameters");
         let output = S::run(params, S::Inputs::open(reader)?, here)?;
+        finite::check(&output)?;
         codec::encode(&output)
     }
 

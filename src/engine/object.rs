@@ -8,7 +8,8 @@ use crate::engine::codec::{CODEC, LIMIT};
 use crate::engine::id::Id;
 
 const MAGIC: &[u8; 8] = b"ENCOUNT1";
-const HEADER: usize = 64;
+/// Bytes of the header.
+pub const HEADER: usize = 64;
 
 /// The bytes of an object file.
 pub(crate) fn seal(schema: u64, payload: &[u8]) -> (Id, Vec<u8>) {
@@ -30,11 +31,11 @@ struct Header {
     schema: u64,
 }
 
-/// The payload of an object file that is what its name says.
+/// Verifies an object file in memory.
 ///
 /// # Errors
 /// What is wrong with the bytes.
-pub(crate) fn open(id: &Id, schema: Option<u64>, file: &[u8]) -> Result<Vec<u8>, String> {
+pub(crate) fn verify(id: &Id, schema: Option<u64>, file: &[u8]) -> Result<(), String> {
     let Some((head, payload)) = file.split_first_chunk::<HEADER>() else {
         return Err(too_short(file.len()));
     };
@@ -42,14 +43,20 @@ pub(crate) fn open(id: &Id, schema: Option<u64>, file: &[u8]) -> Result<Vec<u8>,
     if Id::of(header.codec, header.schema, payload) != *id {
         return Err(NOT_ITS_NAME.to_owned());
     }
-    Ok(payload.to_vec())
+    Ok(())
+}
+
+/// The payload of a verified object file, in the memory of the file.
+pub(crate) fn payload(mut file: Vec<u8>) -> Vec<u8> {
+    file.drain(..HEADER);
+    file
 }
 
 /// Verifies an object file without holding it in memory; gives the number of its bytes.
 ///
 /// # Errors
 /// What is wrong with the bytes, or keeps them from being read.
-pub(crate) fn check(id: &Id, mut file: impl Read, buffer: &mut [u8]) -> Result<u64, String> {
+pub fn check(id: &Id, mut file: impl Read, buffer: &mut [u8]) -> Result<u64, String> {
     let unread = |why: io::Error| format!("it cannot be read: {why}");
     let mut head = [0; HEADER];
     let read = fill(&mut file, &mut head).map_err(unread)?;

@@ -6,12 +6,13 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use toml::de::{DeTable, DeValue};
-use toml::{Spanned, Table, Value};
+use toml::de::DeTable;
+use toml::{Table, Value};
 
 use crate::engine::case::{Axis, Case};
 use crate::engine::decode::Fault;
 use crate::engine::error::{Error, Result};
+use crate::engine::layers::{Lines, collect_leaves, merge, note_origins};
 
 /// The table of the axis values in a stage's view; no table of the file.
 pub(crate) const CASE: &str = "case";
@@ -372,62 +373,4 @@ fn plain(message: &str) -> String {
 
 fn is_name(text: &str) -> bool {
     !text.is_empty() && text.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')
-}
-
-/// Where the lines of a text end.
-struct Lines(Vec<usize>);
-
-impl Lines {
-    fn of(text: &str) -> Self {
-        Self(text.match_indices('\n').map(|(offset, _)| offset).collect())
-    }
-
-    /// The number of the line that holds an offset, from 1.
-    fn at(&self, offset: usize) -> usize {
-        self.0.partition_point(|end| *end < offset) + 1
-    }
-}
-
-fn merge(base: &mut Table, over: Table) {
-    for (key, value) in over {
-        match (base.get_mut(&key), value) {
-            (Some(Value::Table(inner)), Value::Table(table)) => merge(inner, table),
-            (_, value) => {
-                base.insert(key, value);
-            }
-        }
-    }
-}
-
-fn note_origins(
-    origins: &mut BTreeMap<String, String>,
-    prefix: &str,
-    table: &DeTable<'_>,
-    place: &dyn Fn(usize) -> String,
-) {
-    for (key, value) in table {
-        let path = if prefix.is_empty() {
-            key.get_ref().to_string()
-        } else {
-            format!("{prefix}.{}", key.get_ref())
-        };
-        origins.insert(path.clone(), place(Spanned::span(key).start));
-        if let DeValue::Table(inner) = value.get_ref() {
-            note_origins(origins, &path, inner, place);
-        }
-    }
-}
-
-fn collect_leaves(table: &Table, prefix: &str, paths: &mut Vec<String>) {
-    for (key, value) in table {
-        let path = if prefix.is_empty() {
-            key.clone()
-        } else {
-            format!("{prefix}.{key}")
-        };
-        match value {
-            Value::Table(inner) if !inner.is_empty() => collect_leaves(inner, &path, paths),
-            _ => paths.push(path),
-        }
-    }
 }

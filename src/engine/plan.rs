@@ -10,18 +10,16 @@ use serde::Serialize;
 
 use crate::engine::arrow::Kind;
 use crate::engine::compare::{Present, inputs};
-use crate::engine::disk::read_regular;
 use crate::engine::explain::{Told, tell};
 use crate::engine::graph::Graph;
 use crate::engine::history::{History, has_record_file};
 use crate::engine::id::{Id, schema_number};
+use crate::engine::index::Index;
 use crate::engine::key::KEY_SCHEMA;
-use crate::engine::object;
 use crate::engine::reason::Reason;
 use crate::engine::record::Record;
 use crate::engine::run::{Decision, Listener, Run};
-use crate::engine::stage::Keep;
-use crate::engine::store::{Store, path_in};
+use crate::engine::store::{Found, Store};
 
 /// What a run would do with one node.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -30,7 +28,7 @@ pub struct NodePlan {
     pub node: String,
     /// Its place in the paper.
     pub paper: String,
-    /// Its pieces.
+    /// Its pieces, of those that the targets need.
     pub pieces: usize,
     /// Pieces that are cached.
     pub cached: usize,
@@ -72,6 +70,7 @@ impl Cost {
 /// The state of one piece.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum State {
+    /// Left alone; so is a piece that no target needs.
     Cached,
     WillRun(Cause),
     /// An input will run; if its content comes out equal, this stays cached.
@@ -101,9 +100,13 @@ pub struct Plan<'g> {
 }
 
 impl<'g> Plan<'g> {
-    /// Decides every piece of a graph. Outputs of published nodes and those of `verified` ones are read and verified;
-    /// for the others there is only a look whether they are there.
+    /// Decides every piece of a graph. Outputs of `verified` nodes are read and verified, and so are those of published
+    /// ones, and of all where there is an index, that are not as the index last saw them verified.
     pub fn new(graph: &'g Graph, store: &'g Store, verified: &[usize]) -> Self {
+        Self::with(graph, store, verified, &Index::read(store.root()))
+    }
+
+    fn with(graph: &'g Graph, store: &'g Store, verified: &[usize], index: &Index) -> Self {
         const SILENT: &Listener<'static> = &|_| {};
         let mut plan = Self {
             run: Run::new(graph, store, SILENT),
@@ -114,10 +117,16 @@ impl<'g> Plan<'g> {
         };
         for (node, it) in graph.nodes.iter().enumerate() {
             plan.present.push(Present::new(&plan.run, node));
-            let verify = it.node.is_published() || verified.contains(&node);
-            let states = (0..it.pieces.len())
-                .map(|piece| plan.state(node, piece, verify))
-                .collect();
+            let in_doubt = it.node.is_published() || !index.is_empty();
+            let state = |piece: usize| {
+                if !graph.wanted[node][piece] {
+                    return State::Cached;
+                }
+                let is_vouched_for = index.hint(&plan.run, node, piece);
+                let verify = verified.contains(&node) || (in_doubt && !is_vouched_for);
+                plan.state(node, piece, verify)
+            };
+            let states = (0..it.pieces.len()).map(state).collect();
             plan.states.push(states);
         }
         plan.find_needed();
@@ -158,8 +167,10 @@ impl<'g> Plan<'g> {
     /// The published texts of a node that is cached, without healing anything.
     pub fn published(&self, node: usize) -> Option<BTreeMap<String, String>> {
         let it = &self.run.graph.nodes[node];
-        let id = self.run.id(node, 0)?;
-        it.node.published(&self.look(node, &id).ok()?).ok()
+        match self.look(node, &self.run.id(node, 0)?) {
+            Found::Bytes(bytes) => it.node.published(&bytes).ok(),
+            Found::Missing | Found::Damaged(_) => None,
+        }
     }
 
     pub(crate) fn history(&self) -> &History<'g> {
@@ -173,11 +184,15 @@ impl<'g> Plan<'g> {
     fn node_plan(&self, node: usize) -> NodePlan {
         let it = &self.run.graph.nodes[node];
         let told = self.told(node);
-        let count = |of: fn(&State) -> bool| self.states[node].iter().filter(|state| of(state)).count();
+        let graph = self.run.graph;
+        let count = |of: fn(&State) -> bool| {
+            let wanted = graph.wanted_pieces(node);
+            wanted.filter(|piece| of(&self.states[node][*piece])).count()
+        };
         NodePlan {
             node: it.name(),
             paper: it.node.paper().to_owned(),
-            pieces: it.pieces.len(),
+            pieces: count(|_| true),
             cached: count(|state| *state == State::Cached),
             will_run: count(|state| matches!(state, State::WillRun(_))),
             may_run: count(|state| matches!(state, State::MayRun(_))),
@@ -193,11 +208,11 @@ impl<'g> Plan<'g> {
         match self.run.decide(node, piece) {
             Decision::Cached if !verify => State::Cached,
             Decision::Cached => match self.run.id(node, piece).map(|id| self.look(node, &id)) {
-                Some(Err(Some(why))) => State::WillRun(Cause::Damaged(format!("object damaged: {why}"))),
+                Some(Found::Damaged(why)) => State::WillRun(Cause::Damaged(format!("object damaged: {why}"))),
                 _ => State::Cached,
             },
             Decision::WillRun(key) => match self.run.store.record(&key) {
-                Some(record) => State::WillRun(self.lost(node, piece, &record)),
+                Some(record) => self.lost(node, piece, &record),
                 None if has_record_file(self.run.store, &key) => {
                     State::WillRun(Cause::Damaged("record damaged".to_owned()))
                 }
@@ -208,26 +223,27 @@ impl<'g> Plan<'g> {
         }
     }
 
-    /// A record without its object: made again, it must have its id, so nothing below needs to run for it.
-    fn lost(&self, node: usize, piece: usize, record: &Record) -> Cause {
-        if let Some(id) = Id::parse(&record.id) {
-            self.run.suppose(node, piece, id, record.bytes);
-        }
-        let quarantined = self.run.store.root().join("quarantine").join(&record.id);
-        if quarantined.exists() {
-            Cause::Damaged("object damaged: it lies in quarantine".to_owned())
+    /// A record without its object: made again, it must have its id, so nothing below needs to run for it, nor it itself
+    /// until somebody needs it. What is published is always read; what was damaged is healed at once.
+    fn lost(&self, node: usize, piece: usize, record: &Record) -> State {
+        let Some(id) = Id::parse(&record.id) else {
+            return State::WillRun(Cause::Damaged("record damaged: it names no id".to_owned()));
+        };
+        self.run.suppose(node, piece, id, record.bytes);
+        if self.run.store.root().join("quarantine").join(id.to_string()).exists() {
+            let what = "object damaged: it lies in quarantine".to_owned();
+            State::WillRun(Cause::Damaged(what))
+        } else if self.run.graph.nodes[node].node.is_published() {
+            State::WillRun(Cause::Missing)
         } else {
-            Cause::Missing
+            State::Cached
         }
     }
 
-    /// Verified bytes of an object, which stays where it is; else what is wrong with it, or nothing if it is not there.
-    fn look(&self, node: usize, id: &Id) -> Result<Vec<u8>, Option<String>> {
-        let hex = id.to_string();
-        let path = path_in(self.run.store.root(), "objects", &hex, "");
-        let file = read_regular(&path).map_err(|_| None)?;
+    /// What is at hand of an object, which stays where it is.
+    fn look(&self, node: usize, id: &Id) -> Found {
         let schema = schema_number(self.run.graph.nodes[node].node.schema());
-        object::open(id, Some(schema), &file).map_err(Some)
+        self.run.store.peek(id, Some(schema))
     }
 
     /// Whether there is a record that some outcome of the unknown inputs would find.
@@ -263,46 +279,76 @@ impl<'g> Plan<'g> {
             .any(fits)
     }
 
-    /// Marks evicted outputs that a piece which will or may run reads; from below, since they may need others.
+    /// Marks outputs whose bytes are gone and that a piece which will or may run reads; from below, since they may need
+    /// others.
     fn find_needed(&mut self) {
         for node in (0..self.states.len()).rev() {
             for link in &self.run.graph.nodes[node].links {
                 for up in &link.upstream {
-                    if self.run.graph.nodes[*up].node.keep() == Keep::Evict {
-                        self.need(node, *up, link.kind == Kind::Each);
-                    }
+                    self.need(node, *up, link.kind == Kind::Each);
                 }
             }
         }
     }
 
     fn need(&mut self, reader: usize, up: usize, each: bool) {
-        let needed = |state: &State| match state {
-            State::Cached => None,
-            State::WillRun(_) => Some(State::WillRun(Cause::Needed(reader))),
-            State::MayRun(_) => Some(State::MayRun(Cause::Needed(reader))),
+        let strength = |state: &State| match state {
+            State::Cached => 0,
+            State::MayRun(_) => 1,
+            State::WillRun(_) => 2,
         };
-        let strongest = |states: &[State]| {
-            let will = states.iter().find(|state| matches!(state, State::WillRun(_)));
-            will.or_else(|| states.iter().find(|state| **state != State::Cached))
-                .and_then(needed)
-        };
-        let whole = strongest(&self.states[reader]);
+        let whole = self.states[reader].iter().map(strength).max().unwrap_or(0);
         for piece in 0..self.states[up].len() {
             let wanted = if each {
-                needed(&self.states[reader][piece])
+                strength(&self.states[reader][piece])
             } else {
-                whole.clone()
+                whole
             };
-            let Some(wanted) = wanted else { continue };
-            let stronger = match &self.states[up][piece] {
-                State::Cached => self.run.id(up, piece).is_some_and(|id| !self.run.store.has(&id)),
-                State::MayRun(Cause::Needed(_)) => matches!(wanted, State::WillRun(_)),
+            let is_stronger = match &self.states[up][piece] {
+                State::Cached => wanted > 0 && self.run.id(up, piece).is_some_and(|id| !self.run.store.has(&id)),
+                State::MayRun(Cause::Needed(_) | Cause::Missing) => wanted > 1,
                 _ => false,
             };
-            if stronger {
-                self.states[up][piece] = wanted;
+            if is_stronger {
+                let cause = self.absence(up, piece, reader);
+                self.states[up][piece] = if wanted > 1 {
+                    State::WillRun(cause)
+                } else {
+                    State::MayRun(cause)
+                };
             }
+        }
+    }
+
+    /// Why the bytes of a piece that a reader needs are not there.
+    fn absence(&self, node: usize, piece: usize, reader: usize) -> Cause {
+        let record = self.run.key(node, piece).and_then(|key| self.run.store.record(&key));
+        if record.is_some_and(|record| record.evicted) {
+            Cause::Needed(reader)
+        } else {
+            Cause::Missing
+        }
+    }
+}
+
+/// Takes for known what the plan of a run leaves alone though its bytes are gone: they were deleted by hand, and are made
+/// again when somebody needs them, like those that garbage collection took.
+pub(crate) fn leave_what_nobody_needs(run: &Run<'_>) {
+    let pieces = |node| run.graph.wanted_pieces(node).map(move |piece| (node, piece));
+    let all = || (0..run.graph.nodes.len()).flat_map(pieces);
+    let is_lost = |(node, piece): (usize, usize)| match run.decide(node, piece) {
+        Decision::WillRun(key) => run.store.record(&key).is_some(),
+        Decision::Cached | Decision::MayRun => false,
+    };
+    // Every one is decided, so that the run need not.
+    if all().filter(|it| is_lost(*it)).count() == 0 {
+        return;
+    }
+    // What runs is decided by records alone.
+    let plan = Plan::with(run.graph, run.store, &[], &Index::default());
+    for (node, piece) in all().filter(|(node, piece)| plan.states[*node][*piece] == State::Cached) {
+        if let (Some(id), Some(bytes)) = (plan.run.id(node, piece), plan.run.bytes_of(node, piece)) {
+            run.suppose(node, piece, id, bytes);
         }
     }
 }

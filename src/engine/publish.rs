@@ -6,14 +6,13 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
-use std::fs;
+use std::fs::{self, File};
 use std::hash::{BuildHasher, RandomState};
-use std::io::ErrorKind;
+use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
 use crate::engine::case::Axis;
 use crate::engine::disk::read_text;
-use crate::engine::disk::{Disk, System};
 use crate::engine::error::{Error, Result};
 use crate::engine::event::Event;
 use crate::engine::gc;
@@ -107,8 +106,12 @@ pub fn check_folder(graph: &Graph, axis: Axis, values: &[String], folder: &Path)
         // What is not there yet will be made in the nearest folder that is.
         let there = folder.ancestors().find(|path| path.symlink_metadata().is_ok());
         let there = there.unwrap_or(Path::new("."));
-        let probe = there.join(format!(".encounter-{}.tmp", std::process::id()));
-        let made = fs::write(&probe, "").and_then(|()| fs::remove_file(&probe));
+        let probe = there.join(format!(".encounter-{:016x}.tmp", tag(there)));
+        let made = fs::write(&probe, "").and_then(|()| match fs::remove_file(&probe) {
+            // Another run has taken it for a dead one's.
+            Err(why) if why.kind() == ErrorKind::NotFound => Ok(()),
+            removed => removed,
+        });
         made.map_err(Error::io("write figures to", folder))?;
     }
     Ok(())
@@ -205,16 +208,68 @@ impl Ours {
 pub fn write(path: &Path, text: &str) -> Result<()> {
     let folder = path.parent().expect("a published file lies in a folder");
     fs::create_dir_all(folder).map_err(Error::writing("make the folder", folder, 0))?;
+    let written = match write_by_rename(path, text) {
+        // Taken for a dead one's between its making and its lock.
+        Err(why) if why.kind() == ErrorKind::NotFound => write_by_rename(path, text),
+        written => written,
+    };
+    written.map_err(Error::writing("write", path, text.len() as u64))
+}
+
+fn write_by_rename(path: &Path, text: &str) -> io::Result<()> {
     let extension = path.extension().unwrap_or_default().display();
-    // Whoever else writes it, in this process or another, has a temporary file of their own.
-    let tag = RandomState::new().hash_one(path);
-    let temporary = path.with_extension(format!("{extension}.{tag:016x}.tmp"));
-    let written = System.write(&temporary, text.as_bytes());
-    let whole = written.and_then(|()| System.synchronise(&temporary));
-    let result = whole.and_then(|()| System.rename(&temporary, path));
+    let temporary = path.with_extension(format!("{extension}.{:016x}.tmp", tag(path)));
+    let result = write_locked(&temporary, text).and_then(|_lock| fs::rename(&temporary, path));
     if result.is_err() {
         // The error to report is the first one.
         let _ = fs::remove_file(&temporary);
     }
-    result.map_err(Error::writing("write", path, text.len() as u64))
+    result
+}
+
+/// Writes a file that is locked as long as it is held: one that is not was left by a dead process.
+fn write_locked(path: &Path, text: &str) -> io::Result<File> {
+    let mut file = File::create(path)?;
+    // Where the file system has no locks, nothing is taken for a dead one's either.
+    let _ = file.try_lock();
+    file.write_all(text.as_bytes())?;
+    file.sync_all()?;
+    Ok(file)
+}
+
+/// Whoever else writes a file, in this process or another, has a temporary file of their own.
+fn tag(path: &Path) -> u64 {
+    RandomState::new().hash_one(path)
+}
+
+/// Removes the temporary files that killed runs left in the folders of a graph's figures and beside the locks.
+pub fn clear(graph: &Graph, axis: Axis, values: &[String], figures: &Path, store: &Path) {
+    let folders = layout(graph, axis, values).into_iter().map(|(_, prefix)| prefix);
+    let folders: BTreeSet<String> = folders.collect();
+    for folder in folders
+        .iter()
+        .map(|prefix| figures.join(prefix))
+        .chain([store.to_owned()])
+    {
+        for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
+            if entry.file_name().to_str().is_some_and(is_temporary) && is_abandoned(&entry.path()) {
+                // It is in nobody's way.
+                let _ = fs::remove_file(entry.path());
+            }
+        }
+    }
+}
+
+/// Whether a name is one that [`write`] or [`check_folder`] gives: 16 hexadecimal digits before `.tmp`.
+fn is_temporary(name: &str) -> bool {
+    let stem = name.strip_suffix(".tmp");
+    let tag = stem.and_then(|stem| stem.rsplit(['.', '-']).next());
+    tag.is_some_and(|tag| tag.len() == 16 && tag.bytes().all(|byte| byte.is_ascii_hexdigit()))
+}
+
+fn is_abandoned(path: &Path) -> bool {
+    File::options()
+        .write(true)
+        .open(path)
+        .is_ok_and(|file| file.try_lock().is_ok())
 }

@@ -49,7 +49,7 @@ struct State {
     is_closed: bool,
     /// Per piece: inputs not known yet.
     missing: Vec<Vec<usize>>,
-    /// Per node: pieces not done yet.
+    /// Per node: wanted pieces not done yet.
     left: Vec<usize>,
     fatal: Option<Error>,
     failures: BTreeMap<(usize, usize), Error>,
@@ -60,7 +60,7 @@ impl Queue {
     pub(crate) fn new(graph: &Graph) -> Self {
         let mut each = vec![Vec::new(); graph.nodes.len()];
         let mut whole = vec![Vec::new(); graph.nodes.len()];
-        let mut missing = Vec::new();
+        let mut missing: Vec<Vec<usize>> = Vec::new();
         for (down, node) in graph.nodes.iter().enumerate() {
             let mut inputs = 0;
             for link in &node.links {
@@ -73,7 +73,9 @@ impl Queue {
                     }
                 }
             }
-            missing.push(vec![inputs; node.pieces.len()]);
+            // One that nobody wants misses something that never comes.
+            let wanted = graph.wanted[down].iter();
+            missing.push(wanted.map(|wanted| inputs + usize::from(!wanted)).collect());
         }
         let mut heap = BinaryHeap::new();
         for (node, pieces) in missing.iter().enumerate() {
@@ -83,7 +85,8 @@ impl Queue {
                 }
             }
         }
-        let left = graph.nodes.iter().map(|node| node.pieces.len()).collect();
+        let left = (0..graph.nodes.len()).map(|node| graph.wanted_pieces(node).count());
+        let left = left.collect();
         let state = State {
             heap,
             aside: Vec::new(),

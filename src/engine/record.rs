@@ -3,9 +3,17 @@
 //! What later runs compare (files and crates, parameters, names of inputs) would be the same in thousands of records, so
 //! it lies in `parts/`, and a record names it. A record from before that names none: still a hit, only less to tell.
 
+use std::time::{SystemTime, UNIX_EPOCH};
+
 use serde::{Deserialize, Serialize};
 
+use crate::engine::code;
+use crate::engine::compare::inputs;
+use crate::engine::id::{Id, Key};
+use crate::engine::key::KEY_SCHEMA;
 use crate::engine::parts::PartNames;
+use crate::engine::run::Run;
+use crate::engine::stage::Keep;
 
 /// What the store remembers of one piece.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -64,6 +72,42 @@ fn first_key_schema() -> u32 {
 }
 
 impl Record {
+    /// The record of a piece, `(node, piece)`, that was just made: `(id, bytes)` in so many seconds.
+    pub(crate) fn of(
+        run: &Run<'_>,
+        (node, piece): (usize, usize),
+        key: Key,
+        (id, bytes): (Id, u64),
+        seconds: f64,
+    ) -> Self {
+        let it = &run.graph.nodes[node];
+        let (first, items) = it.pieces[piece];
+        let made = SystemTime::now().duration_since(UNIX_EPOCH);
+        Self {
+            format: 1,
+            node: it.name(),
+            first,
+            items,
+            key: key.to_string(),
+            id: id.to_string(),
+            bytes,
+            seconds,
+            evicted: it.node.keep() == Keep::Evict,
+            code: blake3::Hash::from_bytes(it.code).to_hex().to_string(),
+            params: blake3::hash(&it.decoded.bytes).to_hex().to_string(),
+            seed: run.graph.seed,
+            inputs: inputs(run, node, piece)
+                .into_iter()
+                .filter_map(|input| input.id)
+                .collect(),
+            rustc: code::RUSTC.to_owned(),
+            target: system(),
+            keys: KEY_SCHEMA,
+            made: made.map_or(0, |since| since.as_millis() as u64),
+            parts: None,
+        }
+    }
+
     /// The record's text, check included.
     pub(crate) fn text(&self) -> String {
         let json = serde_json::to_string(self).expect("a record holds only strings and finite numbers");

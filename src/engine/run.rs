@@ -1,22 +1,21 @@
 //! Run: the state of one walk through a graph. One code path decides what is cached; `status` and `run` both ask it.
 
 use std::sync::{Arc, OnceLock};
-use std::time::{Instant, SystemTime, UNIX_EPOCH};
+use std::time::Instant;
 
 use crate::engine::arrow::Kind;
-use crate::engine::code;
 use crate::engine::error::Result;
 use crate::engine::event::Event;
 use crate::engine::flight::{Hold, KeyLock};
 use crate::engine::graph::{Graph, Link};
 use crate::engine::id::{Id, Key, schema_number};
-use crate::engine::key::{InputKey, KEY_SCHEMA, Preimage};
+use crate::engine::key::{InputKey, Preimage};
 use crate::engine::memo::Memo;
 use crate::engine::node::Value;
 use crate::engine::object;
 use crate::engine::parts::{self, PartNames};
 use crate::engine::read::Reader;
-use crate::engine::record::{self, Record};
+use crate::engine::record::Record;
 use crate::engine::stage::{Here, Keep};
 use crate::engine::stop::Stop;
 use crate::engine::store::{Found, Store};
@@ -96,13 +95,18 @@ impl<'g> Run<'g> {
         self.known[node][piece].get().map(|(id, _)| *id)
     }
 
+    /// The length of a piece's output in bytes, once it is known.
+    pub(crate) fn bytes_of(&self, node: usize, piece: usize) -> Option<u64> {
+        self.known[node][piece].get().map(|(_, bytes)| *bytes)
+    }
+
     /// The length of a node's output in bytes, over all pieces, once all are known.
     pub fn bytes_of_node(&self, node: usize) -> Option<u64> {
-        let lengths: Option<Vec<u64>> = self.known[node]
-            .iter()
-            .map(|known| known.get().map(|(_, bytes)| *bytes))
+        let lengths: Option<Vec<u64>> = (0..self.known[node].len())
+            .map(|piece| self.bytes_of(node, piece))
             .collect();
-        Some(lengths?.iter().sum())
+        // What a forged record says of its length need not add up.
+        Some(lengths?.into_iter().fold(0, u64::saturating_add))
     }
 
     /// The content of a node: the id of its only piece, or of the list of its pieces' ids.
@@ -198,7 +202,7 @@ impl<'g> Run<'g> {
         let seconds = start.elapsed().as_secs_f64();
         let schema = schema_number(it.node.schema());
         let id = Id::of(crate::engine::codec::CODEC, schema, &bytes);
-        let mut record = self.record(node, piece, key, id, bytes.len() as u64, seconds);
+        let mut record = Record::of(self, (node, piece), key, (id, bytes.len() as u64), seconds);
         record.parts = Some(self.parts(node)?);
         let earlier = self.store.record(&key);
         if let Some(earlier) = earlier.as_ref().filter(|earlier| earlier.id != record.id) {
@@ -236,37 +240,6 @@ impl<'g> Run<'g> {
         it.node
             .run(it.decoded.value.as_ref(), &reader, here)
             .map_err(|error| error.at(&it.piece_name(piece)))
-    }
-
-    fn record(&self, node: usize, piece: usize, key: Key, id: Id, bytes: u64, seconds: f64) -> Record {
-        let it = &self.graph.nodes[node];
-        let (first, items) = it.pieces[piece];
-        let inputs = it.links.iter().flat_map(|link| match link.kind {
-            Kind::Each => vec![self.id(link.upstream[0], piece)],
-            _ => link.upstream.iter().map(|up| self.content(*up)).collect(),
-        });
-        Record {
-            format: 1,
-            node: it.name(),
-            first,
-            items,
-            key: key.to_string(),
-            id: id.to_string(),
-            bytes,
-            seconds,
-            evicted: it.node.keep() == Keep::Evict,
-            code: blake3::Hash::from_bytes(it.code).to_hex().to_string(),
-            params: blake3::hash(&it.decoded.bytes).to_hex().to_string(),
-            seed: self.graph.seed,
-            inputs: inputs.flatten().map(|id| id.to_string()).collect(),
-            rustc: code::RUSTC.to_owned(),
-            target: record::system(),
-            keys: KEY_SCHEMA,
-            made: SystemTime::now()
-                .duration_since(UNIX_EPOCH)
-                .map_or(0, |since| since.as_millis() as u64),
-            parts: None,
-        }
     }
 
     /// The parts of a node whose inputs are all known, put into the store the first time.

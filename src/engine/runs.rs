@@ -22,6 +22,9 @@ use crate::engine::store::{Store, path_in};
 /// How many runs are remembered.
 const KEPT: usize = 3;
 
+/// The lock of who writes here.
+pub(crate) const TURN: &str = "runs";
+
 /// What a run used.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct RunFile {
@@ -49,8 +52,14 @@ pub(crate) fn remember(run: &Run<'_>) -> Result<()> {
             file.pieces.insert(node.name(), ids);
         }
     }
+    let is_last = |there: &[(u64, PathBuf)]| there.last().and_then(|(_, path)| read(path)).as_ref() == Some(&file);
+    if is_last(&numbered(run.store.root())) {
+        return Ok(());
+    }
+    // One at a time, so that no two runs choose the same number.
+    let _turn = run.store.wait_for_turn(TURN)?;
     let there = numbered(run.store.root());
-    if there.last().and_then(|(_, path)| read(path)).as_ref() == Some(&file) {
+    if is_last(&there) {
         return Ok(());
     }
     let number = there.last().map_or(1, |(number, _)| number + 1);
@@ -83,6 +92,8 @@ fn numbered(root: &Path) -> Vec<(u64, PathBuf)> {
     let number = |path: &Path| path.file_name()?.to_str()?.strip_suffix(".json")?.parse().ok();
     let mut found: Vec<(u64, PathBuf)> = entries
         .filter_map(|entry| Some((number(&entry.path())?, entry.path())))
+        // No run counts that far; the next number must be one.
+        .filter(|(number, _)| *number < u64::MAX)
         .collect();
     found.sort();
     found

@@ -9,6 +9,7 @@ use std::time::Duration;
 use crate::engine::error::{Error, Result};
 use crate::engine::event::Event;
 use crate::engine::flight::Hold;
+use crate::engine::plan::leave_what_nobody_needs;
 use crate::engine::queue::{Queue, Turn};
 use crate::engine::run::{Decision, Run};
 use crate::engine::runs;
@@ -16,18 +17,15 @@ use crate::engine::runs;
 /// How often the housekeeper looks around.
 const ROUND: Duration = Duration::from_millis(50);
 
-/// Runs everything in a run's graph that is not cached.
+/// Runs everything that a run's graph wants and that is not cached.
 ///
 /// # Errors
 /// A store that cannot be written, a stage that is not reproducible, or the list of the nodes that failed.
 pub fn execute(run: &Run<'_>, workers: usize) -> Result<()> {
-    let nodes = run
-        .graph
-        .nodes
-        .iter()
-        .map(|node| (node.name(), node.pieces.len()))
-        .collect();
-    run.tell(&Event::DidPlan { nodes });
+    let nodes = run.graph.nodes.iter().enumerate();
+    let nodes = nodes.map(|(node, it)| (it.name(), run.graph.wanted_pieces(node).count()));
+    run.tell(&Event::DidPlan { nodes: nodes.collect() });
+    leave_what_nobody_needs(run);
     let queue = Queue::new(run.graph);
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(workers)

@@ -56,7 +56,7 @@ pub(crate) enum Found {
     Bytes(Vec<u8>),
     /// No such object.
     Missing,
-    /// Bytes that are not what their name says; they were moved to `quarantine/`.
+    /// Bytes that are not what their name says.
     Damaged(String),
 }
 
@@ -130,6 +130,17 @@ impl Store {
         self.flight.hold(key)
     }
 
+    /// Waits until no other run has the lock of a name; none where the file system has no locks.
+    ///
+    /// # Errors
+    /// A lock that cannot be made.
+    pub(crate) fn wait_for_turn(&self, name: &str) -> Result<Option<File>> {
+        let path = self.root.join("locks").join(name);
+        let file = self.disk.open_lock(&path, false);
+        let file = file.map_err(Error::writing("make the lock", path, 0))?;
+        Ok(wait_for(self.disk.as_ref(), &file, true, &|| ()).then_some(file))
+    }
+
     /// The record of a key, if there is an undamaged one.
     pub fn record(&self, key: &Key) -> Option<Record> {
         let path = self.path("records", &key.to_string(), ".json");
@@ -146,29 +157,39 @@ impl Store {
         found.map(|pending| pending.text.clone())
     }
 
-    /// Whether there is a file for an id; its bytes are verified when they are read.
-    pub fn has(&self, id: &Id) -> bool {
-        self.path("objects", &id.to_string(), "").is_file()
+    /// The file of an id.
+    pub(crate) fn object(&self, id: &Id) -> PathBuf {
+        self.path("objects", &id.to_string(), "")
     }
 
-    /// Reads and verifies an object.
+    /// Whether there is a file for an id; its bytes are verified when they are read.
+    pub fn has(&self, id: &Id) -> bool {
+        self.object(id).is_file()
+    }
+
+    /// Reads and verifies an object; a damaged one is moved to `quarantine/`.
     pub(crate) fn read(&self, id: &Id, schema: Option<u64>) -> Found {
-        let path = self.path("objects", &id.to_string(), "");
-        let opened = match self.disk.read(&path) {
-            Ok(file) => match object::open(id, schema, &file) {
-                Ok(payload) => return Found::Bytes(payload),
-                // Sound, but of another type than asked for: the one who asked is wrong.
-                Err(why) if object::open(id, None, &file).is_ok() => return Found::Damaged(why),
-                Err(why) => why,
+        let found = self.peek(id, schema);
+        // Sound, but of another type than asked for: the one who asked is wrong.
+        if matches!(found, Found::Damaged(_)) && !matches!(self.peek(id, None), Found::Bytes(_)) {
+            // A move that fails leaves the damaged file to be overwritten by the healed one.
+            let _ = self
+                .disk
+                .rename(&self.object(id), &self.root.join("quarantine").join(id.to_string()));
+        }
+        found
+    }
+
+    /// The same, leaving everything where it is.
+    pub(crate) fn peek(&self, id: &Id, schema: Option<u64>) -> Found {
+        match self.disk.read(&self.object(id)) {
+            Ok(file) => match object::verify(id, schema, &file) {
+                Ok(()) => Found::Bytes(object::payload(file)),
+                Err(why) => Found::Damaged(why),
             },
-            Err(why) if why.kind() == ErrorKind::InvalidData => why.to_string(),
-            Err(_) => return Found::Missing,
-        };
-        // A move that fails leaves the damaged file to be overwritten by the healed one.
-        let _ = self
-            .disk
-            .rename(&path, &self.root.join("quarantine").join(id.to_string()));
-        Found::Damaged(opened)
+            Err(why) if why.kind() == ErrorKind::InvalidData => Found::Damaged(why.to_string()),
+            Err(_) => Found::Missing,
+        }
     }
 
     /// Publishes an output: the object first, the record last, both synchronised before they count. The lock on its key
@@ -181,7 +202,7 @@ impl Store {
         let object = if record.evicted {
             None
         } else {
-            let path = self.path("objects", &id.to_string(), "");
+            let path = self.object(&id);
             // Equal bytes under another key: what a record may already rest on is not torn open again.
             if !self.disk.read(&path).is_ok_and(|old| old == file) {
                 self.put(lock.as_ref(), &path, &file, false)?;
@@ -210,7 +231,7 @@ impl Store {
 
     /// Puts back the file of an object that was lost or damaged.
     pub(crate) fn restore(&self, id: &Id, file: &[u8], lock: Option<&KeyLock>) -> Result<()> {
-        self.put(lock, &self.path("objects", &id.to_string(), ""), file, true)
+        self.put(lock, &self.object(id), file, true)
     }
 
     /// Synchronises what waits, if any of it has waited long enough.

@@ -10,6 +10,7 @@ use std::path::Path;
 use crate::engine::code;
 use crate::engine::graph::Graph;
 use crate::engine::id::Id;
+use crate::engine::key::KEY_SCHEMA;
 use crate::engine::lock::{Line, Lock, crates, recipes, short};
 use crate::engine::run::Run;
 
@@ -40,7 +41,7 @@ pub fn against_lock(run: &Run<'_>, lock: &Lock, figures: &Path) -> Vec<String> {
     differences
 }
 
-/// What a lock does not say: its own profile and seed, and a file of each published node; empty if nothing is amiss.
+/// What a lock does not say: its own profile, seed and layout of keys, and a file of each published node; empty if nothing is amiss.
 ///
 /// `layout` holds published nodes and the folders they are written to.
 pub fn omissions(graph: &Graph, lock: &Lock, profile: &str, layout: &[(usize, String)]) -> Vec<String> {
@@ -50,6 +51,9 @@ pub fn omissions(graph: &Graph, lock: &Lock, profile: &str, layout: &[(usize, St
     }
     if lock.seed != graph.seed {
         found.push(format!("head: expected seed {}, found {}", graph.seed, lock.seed));
+    }
+    if lock.keys != KEY_SCHEMA {
+        found.push(format!("head: expected keys {KEY_SCHEMA}, found {}", lock.keys));
     }
     for (node, prefix) in layout {
         let stem = format!("file {prefix}{}.", graph.nodes[*node].node.name());
@@ -173,6 +177,17 @@ fn head(id: &Id) -> String {
     format!("{}..", &id.to_string()[..12])
 }
 
+/// What differs in two lines of one content.
+fn beside_content(line: &Line, other: &Line) -> Option<&'static str> {
+    if line.recipe != other.recipe {
+        Some("recipe")
+    } else if line.pieces != other.pieces {
+        Some("number of pieces")
+    } else {
+        (line.bytes != other.bytes).then_some("number of bytes")
+    }
+}
+
 /// The lines in which two locks differ, the first one first; empty if none.
 pub fn between(committed: &Lock, made: &Lock) -> Vec<String> {
     let mut differences = Vec::new();
@@ -185,8 +200,8 @@ pub fn between(committed: &Lock, made: &Lock) -> Vec<String> {
                 if other.content != line.content {
                     let (name, then, now) = (&line.name, head(&line.content), head(&other.content));
                     differences.push(format!("{name}: the lock says {then}, made {now}"));
-                } else if other != line {
-                    differences.push(format!("{}: same content, another recipe", line.name));
+                } else if let Some(what) = beside_content(line, other) {
+                    differences.push(format!("{}: same content, another {what}", line.name));
                 }
             }
         }

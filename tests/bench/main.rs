@@ -8,6 +8,7 @@ mod roll_twin;
 mod seas;
 
 mod detection;
+mod noop;
 mod truth;
 mod vhgp;
 

@@ -54,7 +54,7 @@ fn what_a_lock_names_stays_however_many_runs_ago() {
     // A lock that cannot be read may name anything.
     fs::write(house.path("store/toy.lock"), "<<<<<<< ours\n").expect("a lock can be written");
     let error = house.gc(0, true).expect_err("a refusal");
-    assert!(error.to_string().contains("toy.lock is damaged"), "{error}");
+    assert!(error.to_string().contains("toy.lock, line 1 is damaged"), "{error}");
     assert_eq!(error.exit_code(), 5);
 }
 
@@ -195,4 +195,37 @@ fn a_lock_that_cannot_be_read_stops_the_collection() {
     let error = house.gc(0, false).expect_err("what the lock keeps is not known");
     assert!(error.to_string().contains("read the lock"), "{error}");
     assert_eq!(house.files_in("store/objects"), before);
+}
+
+#[test]
+fn runs_at_once_take_a_number_each() {
+    let house = House::new();
+    std::thread::scope(|scope| {
+        for value in 0..6 {
+            let mut other = House::at(&house.path(""));
+            other.set(&format!("aside.value={value}"));
+            scope.spawn(move || other.run_targets(&["aside"]).expect_success());
+        }
+    });
+    let names: Vec<String> = house
+        .files_in("store/runs")
+        .iter()
+        .map(|path| path.file_name().expect("a name").to_string_lossy().into_owned())
+        .collect();
+    assert_eq!(names, ["4.json", "5.json", "6.json"]);
+}
+
+#[test]
+fn a_number_that_no_run_could_have_reached_ends_no_counting() {
+    let mut house = House::lived_in(&[]);
+    for number in [u64::MAX - 1, u64::MAX] {
+        let strange = house.path("store/runs").join(format!("{number}.json"));
+        fs::write(strange, "{}").expect("a file can be written");
+    }
+    for value in 10..13 {
+        house.set(&format!("aside.value={value}"));
+        house.run().expect_success();
+    }
+    house.gc(u64::MAX, false).expect("garbage can be collected");
+    assert!(house.run().ran().is_empty());
 }

@@ -55,6 +55,9 @@ fn a_hostile_lock_is_an_error_with_its_line() {
         (head.replace("seed 7", "seed -7"), 1),
         (head.replace("seed 7", "seed 99999999999999999999"), 1),
         (head.replace("profile toy", "toy"), 1),
+        (head.replace("keys 1", "keys one"), 1),
+        (head.replace("profile toy", "profile t\u{7}oy"), 1),
+        (after_head("squares/a\u{1b}[2J 1".to_owned()), 3),
         (after_head("squares/a".to_owned()), 3),
         (after_head(format!("squares/a -1 {hash} {hash} 3")), 3),
         (after_head(format!("squares/a 1 {hash} {hash} -3")), 3),
@@ -230,6 +233,22 @@ fn two_locks_differ_in_the_order_of_the_first() {
     assert_eq!(
         between(&committed, &relabelled),
         ["numbers: same content, another recipe"]
+    );
+    // The same recipe, and another number that goes with it.
+    let mut counted = committed.clone();
+    counted.lines[0].bytes += 1;
+    let total = counted
+        .lines
+        .iter()
+        .position(|line| line.name == "total/a")
+        .expect("a line");
+    counted.lines[total].pieces = Some(2);
+    assert_eq!(
+        between(&committed, &counted),
+        [
+            "numbers: same content, another number of bytes",
+            "total/a: same content, another number of pieces"
+        ]
     );
 }
 

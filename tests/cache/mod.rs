@@ -3,8 +3,10 @@
 mod cases;
 mod chart;
 mod difference;
+mod finite;
 mod gc;
 mod hits;
+mod index;
 mod locks;
 mod params;
 mod pieces;

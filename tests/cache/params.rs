@@ -1,7 +1,7 @@
 //! What of the parameter file counts, and what is refused.
 
 use crate::common::{House, PARAMS};
-use encounter::engine::graph::Target;
+use encounter::engine::target::Target;
 
 const NOTHING: [&str; 0] = [];
 

@@ -41,6 +41,25 @@ fn one_changed_piece_reruns_its_own_followers_alone() {
 }
 
 #[test]
+fn a_piece_that_is_named_runs_alone_with_what_it_reads() {
+    let house = House::new();
+    let named = house.run_targets(&["squares/a/1"]);
+    assert_eq!(named.ran(), ["numbers/1", "squares/a/1"]);
+    assert_eq!(house.run_targets(&["squares/a/1"]).ran(), NOTHING);
+    // Two of one node; one that reads a whole node.
+    assert_eq!(
+        house.run_targets(&["squares/a/0", "squares/a/1"]).ran(),
+        ["numbers/0", "squares/a/0"]
+    );
+    let draw = house.run_targets(&["draws/a/1"]).ran();
+    assert_eq!(draw, ["draws/a/1", "numbers/2", "squares/a/2", "total/a/0"]);
+    // The whole run makes the rest, and comes to what it always comes to.
+    let whole = house.run();
+    assert!(!whole.ran().iter().any(|piece| draw.contains(piece)));
+    assert_eq!(whole.locked(), House::new().run().locked());
+}
+
+#[test]
 fn more_than_one_shared_synchronisation_loses_no_record() {
     let house = House::lived_in(&["draws.count=150"]);
     assert_eq!(house.run().ran(), NOTHING);

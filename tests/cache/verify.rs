@@ -1,6 +1,7 @@
 //! Verify: rot found exactly where it is, and a rebuild that says who differs.
 
 use crate::common::House;
+use crate::common::records;
 use encounter::engine::audit::{Audit, Finding, audit};
 use encounter::engine::id::Id;
 use std::fs;
@@ -354,4 +355,32 @@ fn a_key_made_twice_with_two_ids_in_a_run_keeps_both_and_says_where_they_differ(
         "{text}"
     );
     assert_eq!(house.files_in("store/quarantine").len(), 1);
+}
+
+#[test]
+fn numbers_that_do_not_add_up_are_told_and_stop_nothing() {
+    let house = House::new();
+    let done = house.run();
+    let (key, id) = done.known["squares/a/1"];
+    records::edit(&house.record(&key), |record| {
+        record["first"] = u64::MAX.into();
+        record["items"] = u64::MAX.into();
+        record["bytes"] = u64::MAX.into();
+    });
+    for number in 0..3 {
+        let sparse = house.path("store/objects/00").join(format!("sparse-{number}"));
+        fs::create_dir_all(sparse.parent().expect("a folder")).expect("a folder can be made");
+        let file = fs::File::create(sparse).expect("a file can be made");
+        // As long as the file system allows.
+        (30..63)
+            .rev()
+            .find(|bits| file.set_len(1 << bits).is_ok())
+            .expect("a sparse file");
+    }
+    flip(&house.object(&id), 70);
+    let found = audited(&house);
+    assert_eq!(found.damaged.len(), 1);
+    assert_eq!(found.damaged[0].node, format!("squares/a, items {0} to {0}", u64::MAX));
+    house.gc(0, true).expect("a plan");
+    house.run().expect_success();
 }

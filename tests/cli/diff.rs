@@ -252,3 +252,27 @@ fn an_unknown_revision_no_work_tree_and_no_git_are_told_apart() {
     let no_tree = refusal(&output.expect("the binary runs"));
     assert!(no_tree.contains("expected a git work tree, found none"), "{no_tree}");
 }
+
+#[test]
+fn a_lock_that_is_none_is_named() {
+    let repository = Repository::new();
+    repository.edit("artifacts/paper.lock", "seed", "sed");
+    let said = |revision: &str| {
+        let output = repository.call(&[revision]);
+        assert_eq!(output.status.code(), Some(5));
+        String::from_utf8(output.stderr).expect("text")
+    };
+    let present = said("HEAD");
+    assert!(present.contains("artifacts/paper.lock, line 1 is damaged"), "{present}");
+    repository.commit();
+    repository.git(&["checkout", "--quiet", "HEAD~1", "--", "artifacts/paper.lock"]);
+    let past = said("HEAD");
+    assert!(past.contains("HEAD:artifacts/paper.lock, line 1 is damaged"), "{past}");
+}
+
+#[test]
+fn a_parameter_that_no_run_would_take_is_refused() {
+    let repository = Repository::new();
+    let refused = refusal(&repository.call(&["HEAD", "--set", "sea.S1.bandwith=0.05"]));
+    assert!(refused.contains("nearest: `sea.S1.bandwidth`"), "{refused}");
+}

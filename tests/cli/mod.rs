@@ -1,10 +1,11 @@
-//! The contract of the command line (house.md, section 5), on the real binary.
+//! The contract of the command line, on the real binary.
 
 mod diff;
 mod exits;
 mod graph;
 mod ranges;
 mod refusals;
+mod robust;
 pub(crate) mod verbs;
 mod verify;
 mod why;

@@ -68,7 +68,8 @@ impl Program {
         piped.spawn().expect("the binary runs")
     }
 
-    fn command(&self, arguments: &[&str]) -> Command {
+    /// The process of a verb with its arguments, yet to be started.
+    pub(crate) fn command(&self, arguments: &[&str]) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_encounter"));
         command.current_dir(Path::new(env!("CARGO_MANIFEST_DIR")));
         command.args(arguments).args(["--profile", self.profile, "--store"]);

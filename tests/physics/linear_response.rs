@@ -25,8 +25,14 @@ fn regular(ship: &Ship, a: f64, omega: f64) -> f64 {
     let acceleration = |x: f64, v: f64, t: f64| {
         let eta = [a * cos(omega * t)];
         match ship.damping {
-            Damping::Cubic => RollEquation::<1, true>::new(ship, [0.0]).acceleration([x], [v], eta)[0],
-            Damping::Quadratic => RollEquation::<1, false>::new(ship, [0.0]).acceleration([x], [v], eta)[0],
+            Damping::Cubic => {
+                let equation = RollEquation::<1, true>::new(ship, [0.0]);
+                equation.acceleration([x], [v], equation.forcing(eta))[0]
+            }
+            Damping::Quadratic => {
+                let equation = RollEquation::<1, false>::new(ship, [0.0]);
+                equation.acceleration([x], [v], equation.forcing(eta))[0]
+            }
         }
     };
     let (mut x, mut v, mut largest) = (0.0, 0.0, 0.0_f64);

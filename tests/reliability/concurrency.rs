@@ -1,10 +1,9 @@
 //! Runs at once: each key is made once, nobody fails, everybody ends with the same contents.
 
 use super::child::{Answer, Task, answer, slow_house, start};
+use super::disk::{Deed, Watched};
 use crate::common::House;
-use encounter::engine::disk::{Disk, System};
 use std::collections::BTreeMap;
-use std::fs::{File, TryLockError};
 use std::io;
 use std::path::Path;
 use std::sync::Arc;
@@ -149,42 +148,15 @@ fn garbage_is_collected_between_runs_never_during_one() {
     assert_eq!(again, slow_house(fresh.path()).run().locked());
 }
 
-/// A file system without locks.
-struct WithoutLocks;
-
-impl Disk for WithoutLocks {
-    fn read(&self, path: &Path) -> io::Result<Vec<u8>> {
-        System.read(path)
-    }
-    fn write(&self, path: &Path, bytes: &[u8]) -> io::Result<()> {
-        System.write(path, bytes)
-    }
-    fn synchronise(&self, path: &Path) -> io::Result<()> {
-        System.synchronise(path)
-    }
-    fn rename(&self, from: &Path, to: &Path) -> io::Result<()> {
-        System.rename(from, to)
-    }
-    fn make_folder(&self, path: &Path) -> io::Result<()> {
-        System.make_folder(path)
-    }
-    fn remove(&self, path: &Path) -> io::Result<()> {
-        System.remove(path)
-    }
-    fn open_lock(&self, path: &Path, existing: bool) -> io::Result<File> {
-        System.open_lock(path, existing)
-    }
-    fn try_lock(&self, _: &File, _: bool) -> Result<(), TryLockError> {
-        Err(TryLockError::Error(io::ErrorKind::Unsupported.into()))
-    }
-}
-
 #[test]
 fn without_locks_work_is_doubled_and_nothing_corrupted() {
     let folder = folder();
     let house = || {
         let mut house = slow_house(folder.path());
-        house.disk = Arc::new(WithoutLocks);
+        house.disk = Arc::new(Watched(|deed: Deed<'_>| match deed {
+            Deed::TryLock => Err(io::ErrorKind::Unsupported.into()),
+            _ => Ok(()),
+        }));
         house
     };
     assert!(house().store().is_without_locks());

@@ -3,11 +3,12 @@
 
 use super::bad_entries;
 use super::child::slow_house;
+use super::disk::{Deed, Watched};
 use crate::cli::verbs::SMALL;
 use crate::common::House;
 use crate::common::program::Program;
 use encounter::engine::disk::{Disk, System};
-use std::fs::{self, File, TryLockError};
+use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -21,74 +22,43 @@ const EIO: i32 = 5;
 const ENOSPC: i32 = 28;
 const EROFS: i32 = 30;
 
-/// A disk whose n-th operation fails; a write that fails has written half.
-struct Faulty {
+/// Counts the operations of a disk down; the one that finds nothing left fails, and a write that fails has written half.
+struct Fuse {
     left: AtomicUsize,
     error: i32,
     /// Only writes are counted.
     writes: bool,
 }
 
-impl Faulty {
-    fn new(operation: usize, error: i32) -> Arc<Self> {
+impl Fuse {
+    fn new(operation: usize, error: i32, writes: bool) -> Arc<Self> {
         let left = AtomicUsize::new(operation);
-        let writes = false;
         Arc::new(Self { left, error, writes })
     }
 
-    /// Counts an operation down; the one that finds nothing left fails.
-    fn count(&self) -> io::Result<()> {
-        if self.writes { Ok(()) } else { self.count_down() }
-    }
-
-    fn count_down(&self) -> io::Result<()> {
-        match self.left.fetch_sub(1, Ordering::Relaxed) {
-            0 => Err(io::Error::from_raw_os_error(self.error)),
-            _ => Ok(()),
+    fn hear(&self, deed: Deed<'_>) -> io::Result<()> {
+        let written = match deed {
+            Deed::Write(path, bytes) => Some((path, bytes)),
+            _ if self.writes => return Ok(()),
+            _ => None,
+        };
+        if self.left.fetch_sub(1, Ordering::Relaxed) > 0 {
+            return Ok(());
         }
+        if let Some((path, bytes)) = written {
+            System.write(path, &bytes[..bytes.len() / 2])?;
+        }
+        Err(io::Error::from_raw_os_error(self.error))
     }
 
-    fn has_failed(&self) -> bool {
+    fn has_blown(&self) -> bool {
         // The count wraps around.
         self.left.load(Ordering::Relaxed) > usize::MAX / 2
     }
-}
 
-impl Disk for Faulty {
-    fn read(&self, path: &Path) -> io::Result<Vec<u8>> {
-        self.count()?;
-        System.read(path)
-    }
-    fn write(&self, path: &Path, bytes: &[u8]) -> io::Result<()> {
-        if let Err(error) = self.count_down() {
-            System.write(path, &bytes[..bytes.len() / 2])?;
-            return Err(error);
-        }
-        System.write(path, bytes)
-    }
-    fn synchronise(&self, path: &Path) -> io::Result<()> {
-        self.count()?;
-        System.synchronise(path)
-    }
-    fn rename(&self, from: &Path, to: &Path) -> io::Result<()> {
-        self.count()?;
-        System.rename(from, to)
-    }
-    fn make_folder(&self, path: &Path) -> io::Result<()> {
-        self.count()?;
-        System.make_folder(path)
-    }
-    fn remove(&self, path: &Path) -> io::Result<()> {
-        self.count()?;
-        System.remove(path)
-    }
-    fn open_lock(&self, path: &Path, existing: bool) -> io::Result<File> {
-        self.count()?;
-        System.open_lock(path, existing)
-    }
-    fn try_lock(&self, file: &File, exclusive: bool) -> Result<(), TryLockError> {
-        self.count().map_err(TryLockError::Error)?;
-        System.try_lock(file, exclusive)
+    fn disk(self: &Arc<Self>) -> Arc<dyn Disk> {
+        let fuse = Arc::clone(self);
+        Arc::new(Watched(move |deed: Deed<'_>| fuse.hear(deed)))
     }
 }
 
@@ -110,10 +80,10 @@ fn every_operation_fails(of: impl Fn(usize) -> i32) -> usize {
     for operation in 0.. {
         let folder = folder();
         let mut house = small_house(&folder);
-        let disk = Faulty::new(operation, of(operation));
-        house.disk = disk.clone();
+        let fuse = Fuse::new(operation, of(operation), false);
+        house.disk = fuse.disk();
         let done = house.run();
-        if !disk.has_failed() {
+        if !fuse.has_blown() {
             done.expect_success();
             return operation;
         }
@@ -161,8 +131,7 @@ fn after_an_error_of_the_disk_nothing_new_is_begun() {
     let folder = folder();
     let mut house = slow_house(folder.path());
     house.workers = 1;
-    let (left, error, writes) = (AtomicUsize::new(8), ENOSPC, true);
-    house.disk = Arc::new(Faulty { left, error, writes });
+    house.disk = Fuse::new(8, ENOSPC, true).disk();
     let done = house.run();
     let error = done.outcome.as_ref().expect_err("the disk fails");
     assert!(error.to_string().contains("bytes needed"), "{error}");

@@ -9,7 +9,7 @@ use encounter::numerics::random;
 use rand_chacha::ChaCha12Rng;
 use rand_chacha::rand_core::SeedableRng;
 use std::fs;
-use std::process::{Command, Output};
+use std::process::{Command, Output, Stdio};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
@@ -119,7 +119,7 @@ fn signalled(program: &Program, signal: &str, arguments: &[&str], after: Duratio
 fn an_interrupted_run_ends_within_a_second_and_the_next_goes_on() {
     let program = Program::new("quick");
     let arguments = ["run"];
-    for signal in ["-INT", "-TERM"] {
+    for signal in ["-INT", "-TERM", "-HUP"] {
         let (output, took) = signalled(&program, signal, &arguments, Duration::from_secs(1));
         let said = String::from_utf8_lossy(&output.stderr);
         assert_eq!(output.status.code(), Some(130), "{said}");
@@ -133,4 +133,35 @@ fn an_interrupted_run_ends_within_a_second_and_the_next_goes_on() {
     }
     let records = fs::read_dir(program.path("store/records")).expect("a store");
     assert!(records.count() > 0, "what was finished is kept");
+}
+
+#[test]
+fn a_run_under_nohup_outlives_its_terminal() {
+    let program = Program::new("quick");
+    let run = program.command(&["run"]);
+    let begin = Instant::now();
+    let mut child = Command::new("sh")
+        .args(["-c", "trap '' HUP; exec \"$0\" \"$@\""])
+        .arg(run.get_program())
+        .args(run.get_args())
+        .current_dir(env!("CARGO_MANIFEST_DIR"))
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn()
+        .expect("a shell runs");
+    let signal = |signal: &str| {
+        let sent = Command::new("kill").args([signal, &child.id().to_string()]).status();
+        assert!(sent.expect("kill runs").success());
+    };
+    sleep(Duration::from_secs(1));
+    signal("-HUP");
+    sleep(Duration::from_millis(1500));
+    // Other signals are heard all the same.
+    signal("-INT");
+    let ended = child.wait().expect("the process can be waited for");
+    assert_eq!(ended.code(), Some(130));
+    assert!(
+        begin.elapsed() > Duration::from_millis(2400),
+        "the first signal was ignored"
+    );
 }

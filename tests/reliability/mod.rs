@@ -3,8 +3,10 @@
 
 mod child;
 mod concurrency;
+mod disk;
 mod edits;
 mod faults;
+mod hostile;
 mod kill;
 mod model;
 mod mutants;

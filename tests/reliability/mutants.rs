@@ -4,7 +4,7 @@
 use encounter::engine::arrow::{All, Each, PiecesOf};
 use encounter::engine::error::{Error, Result};
 use encounter::engine::event::Event;
-use encounter::engine::graph::{Graph, Target};
+use encounter::engine::graph::Graph;
 use encounter::engine::lock::Lock;
 use encounter::engine::node::node;
 use encounter::engine::params::ParamsFile;
@@ -14,6 +14,7 @@ use encounter::engine::run::Run;
 use encounter::engine::schedule;
 use encounter::engine::stage::{Here, Keep, Pieces, Stage};
 use encounter::engine::store::Store;
+use encounter::engine::target::Target;
 use encounter::numerics::random;
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 use serde::{Deserialize, Serialize};

@@ -2,67 +2,37 @@
 //! before any record names it, and a record before it takes its place.
 
 use super::child::slow_house;
+use super::disk::{Deed, Watched};
 use crate::common::House;
-use encounter::engine::disk::{Disk, System};
 use serde_json::Value;
-use std::fs::{self, File, TryLockError};
-use std::io;
+use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
 
-/// A disk that remembers what was done, in order.
-#[derive(Default)]
-struct Remembering(Mutex<Vec<Deed>>);
-
+/// What was done to the disk, in order.
 #[derive(Clone, Debug, PartialEq)]
-enum Deed {
+enum Done {
     Wrote(PathBuf),
     Synchronised(PathBuf),
     Renamed(PathBuf, PathBuf),
 }
 
-impl Remembering {
-    fn note(&self, deed: Deed) {
-        self.0.lock().expect("no panic").push(deed);
-    }
-}
-
-impl Disk for Remembering {
-    fn read(&self, path: &Path) -> io::Result<Vec<u8>> {
-        System.read(path)
-    }
-    fn write(&self, path: &Path, bytes: &[u8]) -> io::Result<()> {
-        self.note(Deed::Wrote(path.to_owned()));
-        System.write(path, bytes)
-    }
-    fn synchronise(&self, path: &Path) -> io::Result<()> {
-        self.note(Deed::Synchronised(path.to_owned()));
-        System.synchronise(path)
-    }
-    fn rename(&self, from: &Path, to: &Path) -> io::Result<()> {
-        self.note(Deed::Renamed(from.to_owned(), to.to_owned()));
-        System.rename(from, to)
-    }
-    fn make_folder(&self, path: &Path) -> io::Result<()> {
-        System.make_folder(path)
-    }
-    fn remove(&self, path: &Path) -> io::Result<()> {
-        System.remove(path)
-    }
-    fn open_lock(&self, path: &Path, existing: bool) -> io::Result<File> {
-        System.open_lock(path, existing)
-    }
-    fn try_lock(&self, file: &File, exclusive: bool) -> Result<(), TryLockError> {
-        System.try_lock(file, exclusive)
-    }
-}
-
 /// What two workers did to the disk in a whole run; the house is for looking at it.
-fn deeds(house: &mut House) -> Vec<Deed> {
-    let disk = Arc::new(Remembering::default());
-    house.disk = disk.clone();
+fn deeds(house: &mut House) -> Vec<Done> {
+    let deeds = Arc::new(Mutex::new(Vec::new()));
+    let noted = Arc::clone(&deeds);
+    house.disk = Arc::new(Watched(move |deed: Deed<'_>| {
+        let done = match deed {
+            Deed::Write(path, _) => Done::Wrote(path.to_owned()),
+            Deed::Synchronise(path) => Done::Synchronised(path.to_owned()),
+            Deed::Rename(from, to) => Done::Renamed(from.to_owned(), to.to_owned()),
+            Deed::TryLock | Deed::Other => return Ok(()),
+        };
+        noted.lock().expect("no panic").push(done);
+        Ok(())
+    }));
     house.run().expect_success();
-    let deeds = disk.0.lock().expect("no panic");
+    let deeds = deeds.lock().expect("no panic");
     deeds.clone()
 }
 
@@ -83,20 +53,20 @@ fn only_a_rename_publishes_and_a_record_comes_last() {
     let temporary = house.path("store/tmp");
     let (mut records, mut objects) = (0, 0);
     for (now, deed) in deeds.iter().enumerate() {
-        let before = |deed: &Deed| deeds[..now].iter().rposition(|done| done == deed);
+        let before = |deed: &Done| deeds[..now].iter().rposition(|done| done == deed);
         match deed {
-            Deed::Wrote(path) => assert!(path.starts_with(&temporary), "{} is written in place", path.display()),
-            Deed::Renamed(from, to) if to.starts_with(house.path("store/records")) => {
-                let written = before(&Deed::Wrote(from.clone()));
-                assert!(before(&Deed::Synchronised(from.clone())) > written, "{}", to.display());
+            Done::Wrote(path) => assert!(path.starts_with(&temporary), "{} is written in place", path.display()),
+            Done::Renamed(from, to) if to.starts_with(house.path("store/records")) => {
+                let written = before(&Done::Wrote(from.clone()));
+                assert!(before(&Done::Synchronised(from.clone())) > written, "{}", to.display());
                 records += 1;
                 let Some(object) = object_of(&house, to) else { continue };
-                let is_object = |deed: &Deed| matches!(deed, Deed::Renamed(_, to) if *to == object);
+                let is_object = |deed: &Done| matches!(deed, Done::Renamed(_, to) if *to == object);
                 let published = deeds[..now].iter().rposition(is_object);
                 assert!(published.is_some(), "{} before its object", to.display());
                 let entry = object.parent().expect("a folder").to_owned();
                 for path in [object.clone(), entry] {
-                    let safe = before(&Deed::Synchronised(path.clone()));
+                    let safe = before(&Done::Synchronised(path.clone()));
                     assert!(safe > published, "{} before {} is safe", to.display(), path.display());
                 }
                 objects += 1;
