@@ -189,3 +189,28 @@ fn a_run_is_not_refused_for_a_rule_of_what_it_does_not_use() {
     assert_eq!(said.code, 2, "{}", said.stderr);
     assert!(said.stderr.contains("vhgp_seq.epsilon_1_index"), "{}", said.stderr);
 }
+
+#[test]
+fn the_calibration_study_runs_on_request_into_a_lock_of_its_own() {
+    let program = Program::new("tiny");
+    let made = |workers: &str| {
+        let said = program.call(&["run", "calibration", "-j", workers]);
+        assert_eq!(said.code, 0, "{}", said.stderr);
+        std::fs::read_to_string(program.path("store/tiny.calibration.lock")).expect("its lock is written")
+    };
+    let text = made("2");
+    assert!(!program.path("store/tiny.lock").exists());
+    let lock = Lock::parse(&text).expect("our own lock");
+    assert!(lock.lines.iter().any(|line| line.name == "file calibration.md"));
+    assert!(lock.lines.iter().all(|line| !line.name.starts_with("ground_truth")));
+    assert_eq!(made("1"), text);
+    assert_eq!(program.call(&["verify", "--lock", "calibration"]).code, 0);
+    assert_eq!(
+        program
+            .call(&["verify", "--lock", "calibration", "--set", "calibration.accepted=9.0"])
+            .code,
+        3
+    );
+    let rebuilt = program.call(&["verify", "--rebuild", "calibration"]);
+    assert_eq!(rebuilt.code, 0, "{}", rebuilt.stderr);
+}

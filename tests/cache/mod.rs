@@ -8,6 +8,7 @@ mod gc;
 mod hits;
 mod index;
 mod locks;
+mod on_request;
 mod params;
 mod pieces;
 mod plan;

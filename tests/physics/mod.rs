@@ -1,5 +1,6 @@
 //! Exact solutions and laws, module by module.
 
+mod calibration;
 mod cholesky;
 mod convergence;
 mod density;

@@ -3,6 +3,7 @@
 //! `ENCOUNTER_PLOTS=folder cargo test plots` also writes every figure there, to be looked at.
 
 mod axes;
+mod calibration;
 mod csv;
 mod density;
 mod figures;
