@@ -260,7 +260,7 @@ pub fn clear(graph: &Graph, axis: Axis, values: &[String], figures: &Path, store
     }
 }
 
-/// Whether a name is one that [`write`] or [`check_folder`] gives: 16 hexadecimal digits before `.tmp`.
+/// Whether a name is one that [`write()`] or [`check_folder`] gives: 16 hexadecimal digits before `.tmp`.
 fn is_temporary(name: &str) -> bool {
     let stem = name.strip_suffix(".tmp");
     let tag = stem.and_then(|stem| stem.rsplit(['.', '-']).next());
