@@ -250,7 +250,7 @@ fn begin(folder: &Path, state: &State) -> Result<String, Refusal> {
     if let Some((name, v)) = positive.into_iter().find(|(_, v)| !(v.is_finite() && *v > 0.0)) {
         return Err(refusal(name, "a number > 0", v, "correct it"));
     }
-    if !(state.vhgp_seq.cap > state.theta_t) {
+    if state.vhgp_seq.cap.is_nan() || state.vhgp_seq.cap <= state.theta_t {
         let expected = format!("more than --theta-t {}", state.theta_t);
         return Err(refusal("--cap", expected, state.vhgp_seq.cap, "correct it"));
     }

@@ -1,7 +1,7 @@
 //! §4 Sequential sampling that looks ahead: each sample where it lowers the variance of the estimate most.
 //!
 //! The paper's surrogate and numbers of samples; what differs is the coordinate ln L, the first samples from the density
-//! of the groups, and the acquisition. README.md says how these were chosen. Points are
+//! of the groups, the acquisition, and a noise that changes slowly. README.md says how these were chosen. Points are
 //! recorded as (L/T_p, A/H_s).
 
 use std::sync::Arc;

@@ -29,6 +29,12 @@ fn example() -> PathBuf {
     path
 }
 
+/// The call that begins a sequence of so many samples.
+fn begin(total: &str) -> Vec<&str> {
+    let call = "new DIR --groups DIR/groups.csv --t-p 15 --h-s 12 --theta-t 0.75 --total";
+    call.split(' ').chain([total]).collect()
+}
+
 /// A folder with a sea's groups and a sequence.
 struct Stranger {
     folder: TempDir,
@@ -49,15 +55,8 @@ impl Stranger {
             }
         }
         stranger.file("groups.csv", &groups);
-        stranger.said(&stranger.begin("36"));
+        stranger.said(&begin("36"));
         stranger
-    }
-
-    fn begin<'a>(&'a self, total: &'a str) -> Vec<&'a str> {
-        "new DIR --groups DIR/groups.csv --t-p 15 --h-s 12 --theta-t 0.75 --total"
-            .split(' ')
-            .chain([total])
-            .collect()
     }
 
     fn path(&self, name: &str) -> PathBuf {
@@ -349,7 +348,7 @@ fn a_damaged_state_is_refused_and_the_one_before_goes_on() {
 #[test]
 fn a_sequence_is_begun_once_with_sound_numbers_and_keeps_its_groups() {
     let stranger = Stranger::new();
-    let why = stranger.refused(&stranger.begin("36"));
+    let why = stranger.refused(&begin("36"));
     assert!(why.contains("state.toml: expected no sequence yet, found one"), "{why}");
     let why = stranger.refused(&["ask", "DIR/absent"]);
     assert!(why.contains("absent: expected the folder of a sequence"), "{why}");
@@ -364,7 +363,7 @@ fn a_sequence_is_begun_once_with_sound_numbers_and_keeps_its_groups() {
             "groups.csv: expected more than 2000 groups, found 2000",
         ),
     ] {
-        let mut call = stranger.begin("36");
+        let mut call = begin("36");
         call[1] = "DIR/other";
         match call.iter().position(|word| *word == option) {
             Some(i) => call[i + 1] = value,
@@ -389,7 +388,7 @@ fn a_sequence_is_begun_once_with_sound_numbers_and_keeps_its_groups() {
         ),
     ] {
         stranger.file("wrong.csv", &text);
-        let mut call = stranger.begin("36");
+        let mut call = begin("36");
         (call[1], call[3]) = ("DIR/other", "DIR/wrong.csv");
         let why = stranger.refused(&call);
         assert!(why.contains(&says.replace("groups.csv", "wrong.csv")), "{why}");

@@ -10,7 +10,7 @@
 
 use super::axes::Axis;
 use super::csv;
-use super::legend::{Entry, Sample, column};
+use super::legend::{Entry, Sample, strip, strip_height};
 use super::panel::Panel;
 use super::shapes::Stroke;
 use super::svg::Sheet;
@@ -56,6 +56,10 @@ pub struct Convergence {
     pub floor: Option<f64>,
 }
 
+/// Width of the sheet, px.
+const WIDTH: f64 = 700.0;
+/// Upper edge of the legend, px.
+const LEGEND: f64 = 404.0;
 /// Opacity of the shades.
 const SHADE: f64 = 0.22;
 /// The dashes of the truth.
@@ -131,7 +135,7 @@ pub fn draw(figure: &Convergence) -> Result<String, Error> {
     for estimates in figure.all() {
         estimates.check()?;
     }
-    let mut sheet = Sheet::new(700.0, 420.0);
+    let mut sheet = Sheet::new(WIDTH, LEGEND + strip_height(&legend(), WIDTH - 20.0) + 8.0);
     let both = [(&figure.random, style::ORANGE), (&figure.sequential, style::BLUE)];
     let others = [
         (&figure.lhs, style::GREY),
@@ -178,11 +182,7 @@ pub fn draw(figure: &Convergence) -> Result<String, Error> {
             panel.dots(&mut sheet, &estimates.means(), style::DOT, colour)?;
         }
     }
-    column(
-        &mut sheet,
-        (panel.left + panel.width - 270.0, panel.top + 10.0),
-        &legend(),
-    )?;
+    strip(&mut sheet, WIDTH / 2.0, LEGEND, WIDTH - 20.0, &legend())?;
     let what = format!(
         "Ship: {}. Sea: {}, threshold {} rad, epsilon_1 {}. Estimated group exceeding probability against the number of \
          samples (logarithmic axis): VHGP-Seq blue, random sampling orange, look-ahead design green, the same with a control red, \

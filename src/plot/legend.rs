@@ -109,14 +109,6 @@ pub fn strip(sheet: &mut Sheet, centre: f64, top: f64, width: f64, entries: &[En
     Ok(())
 }
 
-/// Draws entries one below the other, the upper left corner of the first at `corner`.
-pub fn column(sheet: &mut Sheet, (left, top): (f64, f64), entries: &[Entry]) -> Result<(), Error> {
-    for (i, entry) in entries.iter().enumerate() {
-        draw_entry(sheet, left, top + LEADING * (i as f64 + 0.5), entry)?;
-    }
-    Ok(())
-}
-
 /// Draws one entry, its middle at height `y`.
 fn draw_entry(sheet: &mut Sheet, left: f64, y: f64, entry: &Entry) -> Result<(), Error> {
     let middle = (left + SAMPLE / 2.0, y);

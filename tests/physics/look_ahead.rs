@@ -196,14 +196,14 @@ fn wrong_tables_are_refused() {
             |s| s.initial = 121,
             "initial: expected at most `vhgp_seq.total` = 120, found 121",
         ),
-        (|s| s.tau[1] = -0.1, "tau: expected numbers >= 0, found [0.13, -0.1]"),
+        (|s| s.tau[1] = -0.1, "tau: expected numbers >= 0, found [0.15, -0.1]"),
         (
             |s| s.quadrature[0] = 0,
             "quadrature: expected whole numbers >= 1, found [0, 64]",
         ),
         (
-            |s| s.k_g.variance.start = 5.0,
-            "k_g.variance: expected 0 < from <= start <= to, found from = 0.01, start = 5, to = 4",
+            |s| s.k_g.variance.start = 2.0,
+            "k_g.variance: expected 0 < from <= start <= to, found from = 0.01, start = 2, to = 1",
         ),
     ];
     assert_eq!(own().check(&shared()), Ok(()));
