@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use crate::design::pool::{Pool, Used};
 use crate::design::quadrature::Quadrature;
 use crate::design::response_pool::ResponsePool as Responses;
-use crate::design::sequential::{Input, Realisation, sequential};
+use crate::design::sequential::{Design, Input, Realisation, sequential};
 use crate::design::settings::VhgpSeq as Settings;
 use crate::engine::arrow::One;
 use crate::engine::error::{Error, Result};
@@ -44,6 +44,11 @@ impl Stage for VhgpLhs {
             .case
             .first()
             .ok_or_else(|| Error::stage("no row of vhgp_seq.case names this sea"))?;
+        // What is asked next does not hang on the model: it is fitted as often as its line in Figure 5 has points.
+        let design = Design {
+            batch: settings.initial,
+            ..settings.hypercube()
+        };
         let quadrature = Quadrature::new(&responses.points, settings.quadrature);
         let input = Input::new(settings.candidates(), responses.density.clone(), quadrature);
         let pool = Pool::new(&responses.points);
@@ -53,7 +58,7 @@ impl Stage for VhgpLhs {
             Some((pool.point(index), responses.r[index as usize]))
         };
         Ok(sequential(
-            &settings.hypercube(),
+            &design,
             &input,
             row.theta_t,
             respond,

@@ -59,6 +59,8 @@ pub struct Tally {
     pub capsizes: u64,
     /// Fields.
     pub fields: u64,
+    /// Groups of all fields, also of those that left the statistics.
+    pub met: u64,
 }
 
 /// A block of eight fields in memory.
@@ -156,8 +158,8 @@ impl Bench<'_> {
         let mut all = vec![Vec::new(); candidates.len()];
         for sea in &self.seas {
             let mut tallies = vec![Tally::none(epsilons); candidates.len()];
-            self.roll(sea, fields, candidates, |place, _, responses| {
-                tallies[place].add(sea.target.theta_t, responses);
+            self.roll(sea, fields, candidates, |place, groups, responses| {
+                tallies[place].add(sea.target.theta_t, groups, responses);
             });
             for (own, tally) in all.iter_mut().zip(tallies) {
                 own.push(tally);
@@ -174,11 +176,13 @@ impl Tally {
             counts: vec![Exceedances::none(1); epsilons],
             capsizes: 0,
             fields: 0,
+            met: 0,
         }
     }
 
-    /// Adds the responses of a block, `[epsilon_1][field]`.
-    pub fn add(&mut self, theta_t: f64, responses: &[Vec<Response>]) {
+    /// Adds the responses of a block, `[epsilon_1][field]`, to its groups.
+    pub fn add(&mut self, theta_t: f64, groups: &[Vec<Encounter>], responses: &[Vec<Response>]) {
+        self.met += groups.iter().map(|list| list.len() as u64).sum::<u64>();
         for (e, (counts, fields)) in self.counts.iter_mut().zip(responses).enumerate() {
             for field in fields {
                 counts.add_field(&[theta_t], &field.r);

@@ -4,10 +4,10 @@
 //! (C1) misfit  = sum_S (ln(P / P_paper) / sigma)^2,   sigma^2 = e^2 + 1 / (P_paper n)
 //! (C2) ranking = sum_S { [ln(2 P_cic / P)]+ / 0.5 }^2 + { [ln(1.1 P(eps) / P(2 eps))]+ / 0.3 }^2 + the same of 0, eps
 //! ```
-//! e is `[calibration] relative_error`: detection, segment and rounding of the paper are not known better; n is our number
-//! of groups, so that sigma is that of the paper's P and a candidate gains nothing by a large scatter of its own. The
-//! paper's own counting error over 8,000,000 T_p is about one per cent, far below e. A probability is
-//! (c + 1/2) / (n + 1): no candidate has a misfit of infinity.
+//! e is `[calibration] relative_error`: detection, segment and rounding of the paper are not known better. n is our number
+//! of groups, those of discarded fields included: sigma is that of the paper's P, and a candidate gains nothing by a large
+//! scatter of its own. The paper's own counting error over 8,000,000 T_p is about one per cent, far below e. A probability
+//! is (c + 1/2) / (n + 1): no candidate has a misfit of infinity.
 //!
 //! (C2) is zero if CIC is at most half the truth and the truth grows by a tenth at least with each epsilon_1.
 //! Tested in `tests/physics/calibration.rs`.
@@ -26,7 +26,7 @@ pub fn smoothed(p: f64, n: f64) -> f64 {
 pub fn residuals(tallies: &[Tally], targets: &[&Target], relative_error: f64) -> Vec<f64> {
     let of = |(tally, target): (&Tally, &&Target)| {
         let n = tally.groups(TABLE);
-        let counted = if n > 0.0 { n } else { 1.0 };
+        let counted = if tally.met > 0 { tally.met as f64 } else { 1.0 };
         let sigma = (relative_error * relative_error + 1.0 / (target.p_true * counted)).sqrt();
         ln(smoothed(tally.probability(TABLE), n) / target.p_true) / sigma
     };

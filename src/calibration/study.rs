@@ -125,7 +125,7 @@ impl Study<'_> {
         let t_p = sea.t_p();
         let (theta_t, h_s) = (sea.target.theta_t, sea.h_s());
         self.bench.roll(sea, fields, &[*candidate], |_, groups, responses| {
-            tally.add(theta_t, responses);
+            tally.add(theta_t, groups, responses);
             for (groups, response) in groups.iter().zip(&responses[TABLE]) {
                 let of = |(group, r): (&Encounter, &f64)| [group.l / t_p, group.a / h_s, *r];
                 points.extend(groups.iter().zip(&response.r).map(of));

@@ -178,7 +178,7 @@ fn room(store: &Path) -> Option<u64> {
 }
 
 fn gib(bytes: Option<u64>) -> String {
-    bytes.map_or("unknown".to_owned(), |bytes| format!("{:.1} GiB", bytes as f64 / GIB))
+    bytes.map_or("unknown".to_owned(), |bytes| format!("{:.2} GiB", bytes as f64 / GIB))
 }
 
 fn span(minutes: f64) -> String {

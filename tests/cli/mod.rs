@@ -1,6 +1,7 @@
 //! The contract of the command line, on the real binary.
 
 mod diff;
+mod doctor;
 mod exits;
 mod graph;
 mod ranges;

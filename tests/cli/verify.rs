@@ -11,7 +11,8 @@ use std::sync::LazyLock;
 /// What is run where a whole run would only take longer.
 const GROUPS: [&str; 2] = ["run", "groups"];
 
-fn object(program: &Program, node: &str) -> PathBuf {
+/// The file that holds a node's only piece.
+pub(super) fn object(program: &Program, node: &str) -> PathBuf {
     let shown = program.json(&["show", node]);
     let id = shown["id"].as_str().expect("an id");
     program.path("store/objects").join(&id[..2]).join(&id[2..])

@@ -1,5 +1,6 @@
 //! Claims about the calibration study.
 
+use crate::physics::exceedance::of_fields;
 use encounter::calibration::bench::{Bench, Fields, Sea as SeaOfBench, Tally};
 use encounter::calibration::candidate::{Candidate, NAMES, Reading, magnitudes, significant};
 use encounter::calibration::choice::{Chosen, Found, Trial, chosen};
@@ -10,13 +11,14 @@ use encounter::calibration::polish::least_squares;
 use encounter::calibration::settings::{Known, Search, Settings, Target};
 use encounter::calibration::spread::spread;
 use encounter::calibration::study::Study;
+use encounter::numerics::elementary::ln;
 use encounter::numerics::normal;
 use encounter::numerics::random::uniform;
 use encounter::sea::detection::{Detection, detect};
 use encounter::sea::envelope::Envelopes;
 use encounter::sea::spectrum::{Form, Sea};
 use encounter::sea::wave_field::{Record, WaveFields};
-use encounter::ship::exceedance::Exceedances;
+use encounter::ship::exceedance::Thresholds;
 use encounter::ship::initial_condition::Estimate;
 use encounter::ship::response::{Capsize, Roll, Truth};
 use encounter::ship::roll_equation::{Damping, Ship};
@@ -56,6 +58,11 @@ const TRUTH: Truth = Truth {
     capsize_angle: std::f64::consts::PI,
     capsize: Capsize::Restart,
     temporal_level: 0.25,
+    temporal_levels: Thresholds {
+        from: 0.0,
+        to: 1.2,
+        step: 0.025,
+    },
 };
 
 const ESTIMATE: Estimate = Estimate {
@@ -122,7 +129,7 @@ fn fields(count: u64) -> Fields {
     }
 }
 
-fn bench<'a>(printed: &'a Ship, fields: Fields, theta_t: f64, p_true: f64) -> Bench<'a> {
+fn bench(printed: &Ship, fields: Fields, theta_t: f64, p_true: f64) -> Bench<'_> {
     let target = Target {
         sea: "S".into(),
         theta_t,
@@ -238,12 +245,13 @@ fn least_squares_solves_what_it_can_and_stays_in_bounds() {
 fn tally(above: [usize; 3], groups: usize) -> Tally {
     let counts = above.map(|above| {
         let r: Vec<f64> = (0..groups).map(|i| if i < above { 1.0 } else { 0.0 }).collect();
-        Exceedances::of_fields(&[0.5], [r.as_slice()])
+        of_fields(&[0.5], [r.as_slice()])
     });
     Tally {
         counts: counts.to_vec(),
         capsizes: 0,
         fields: 1,
+        met: 1000,
     }
 }
 
@@ -256,14 +264,17 @@ fn misfit_and_ranking_are_what_their_formulas_say() {
     };
     let near = misfit(&[tally([5, 100, 200], 1000)], &[&target], 0.05);
     assert!(near < 0.01, "{near}");
-    let d = (200.5_f64 / 1001.0 / 0.1).ln();
+    let d = ln(200.5 / 1001.0 / 0.1);
     let far = misfit(&[tally([5, 200, 300], 1000)], &[&target], 0.05);
     assert!((far - d * d / (0.05 * 0.05 + 0.01)).abs() < 1e-9);
+    // Whoever discards every field has nothing in the statistics, and is far away all the same.
+    assert!(misfit(&[tally([0, 0, 0], 0)], &[&target], 0.05) > 100.0);
     // CIC at a quarter of the truth, which doubles with epsilon_1: nothing to complain about.
     assert_eq!(ranking(&[tally([50, 100, 200], 1000)], &[0.025]), 0.0);
     // CIC as high as the truth: ln 2 too high.
     let high = ranking(&[tally([50, 100, 200], 1000)], &[0.1]);
-    assert!((high - (2.0_f64.ln() / 0.5).powi(2)).abs() < 1e-9);
+    let expected = ln(2.0) * ln(2.0) / 0.25;
+    assert!((high - expected).abs() < 1e-9);
     // The truth falls with epsilon_1.
     assert!(ranking(&[tally([200, 100, 50], 1000)], &[0.01]) > 10.0);
 }
