@@ -90,7 +90,8 @@ pub fn ratios(curve: &Curve, truth: &Curve) -> Result<Vec<Point>, Error> {
 
 /// Every method of a panel but the truth, each with its points; none where there is no truth.
 fn compared(cell: &Cell) -> Result<Vec<(Method, Vec<Point>)>, Error> {
-    let Some(truth) = cell.curves.iter().find(|curve| curve.method == Method::Truth) else {
+    let is_known = |curve: &&Curve| curve.method == Method::Truth && !curve.probability.is_empty();
+    let Some(truth) = cell.curves.iter().find(is_known) else {
         return Ok(Vec::new());
     };
     // The order in which they are drawn: NIC last, over the others.

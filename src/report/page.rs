@@ -6,48 +6,25 @@
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
-use serde::{Deserialize, Serialize};
+use serde_json::Value;
 
 use crate::plot::svg::escape;
 
-/// A value of the parameter file, whatever its type.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(untagged)]
-pub enum Setting {
-    /// true or false.
-    Flag(bool),
-    /// A whole number.
-    Whole(i64),
-    /// Any other number.
-    Number(f64),
-    /// A text.
-    Text(String),
-    /// A list.
-    List(Vec<Setting>),
-    /// A table.
-    Table(BTreeMap<String, Setting>),
-}
-
-impl Setting {
-    /// The value as the parameter file writes it.
-    pub fn written(&self) -> String {
-        match self {
-            Self::Flag(flag) => flag.to_string(),
-            Self::Whole(number) => number.to_string(),
-            Self::Number(number) => format!("{number:?}"),
-            Self::Text(text) => format!("\"{text}\""),
-            Self::List(list) => {
-                let inside: Vec<String> = list.iter().map(Self::written).collect();
-                format!("[{}]", inside.join(", "))
-            }
-            Self::Table(table) => {
-                let inside: Vec<String> = table
-                    .iter()
-                    .map(|(key, value)| format!("{key} = {}", value.written()))
-                    .collect();
-                format!("{{ {} }}", inside.join(", "))
-            }
+/// A value as the parameter file writes it.
+fn written(value: &Value) -> String {
+    match value {
+        Value::Array(list) => {
+            let inside: Vec<String> = list.iter().map(written).collect();
+            format!("[{}]", inside.join(", "))
         }
+        Value::Object(table) => {
+            let inside: Vec<String> = table
+                .iter()
+                .map(|(key, value)| format!("{key} = {}", written(value)))
+                .collect();
+            format!("{{ {} }}", inside.join(", "))
+        }
+        other => other.to_string(),
     }
 }
 
@@ -78,7 +55,7 @@ pub struct Page {
     /// The findings as Markdown, without their heading.
     pub findings: String,
     /// The parameters in force, by table.
-    pub parameters: BTreeMap<String, Setting>,
+    pub parameters: BTreeMap<String, Value>,
     /// File name -> id of every published file that the page names.
     pub ids: BTreeMap<String, String>,
 }
@@ -296,13 +273,13 @@ fn parameters(text: &mut String, page: &Page) {
     for (name, table) in &page.parameters {
         let _ = writeln!(text, "[{name}]");
         match table {
-            Setting::Table(keys) => {
+            Value::Object(keys) => {
                 for (key, value) in keys {
-                    let _ = writeln!(text, "{key} = {}", escape(&value.written()));
+                    let _ = writeln!(text, "{key} = {}", escape(&written(value)));
                 }
             }
             other => {
-                let _ = writeln!(text, "{}", escape(&other.written()));
+                let _ = writeln!(text, "{}", escape(&written(other)));
             }
         }
         text.push('\n');

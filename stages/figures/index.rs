@@ -4,12 +4,19 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
+use serde_json::Value;
 
+use crate::design::settings::VhgpSeq;
 use crate::engine::arrow::{CaseOf, Cases, One};
 use crate::engine::case::Axis;
 use crate::engine::error::{Error, Result};
 use crate::engine::stage::{Here, Published, Stage};
-use crate::report::page::{Page, Setting, Shown, html};
+use crate::report::page::{Page, Shown, html};
+use crate::sea::detection::Detection;
+use crate::sea::wave_field::Record;
+use crate::ship::initial_condition::{Estimate, Nic, Pic};
+use crate::ship::response::Truth as Roll;
+use crate::ship::roll_equation::Ship;
 use crate::stages::axes::SEA;
 use crate::stages::figures::captions::{CAPTIONS, Caption};
 use crate::stages::figures::fig1_wave_groups::Fig1WaveGroups;
@@ -32,15 +39,14 @@ pub struct Index;
 #[derive(Serialize, Deserialize)]
 pub struct Params {
     case: Names,
-    record: Setting,
-    detection: Setting,
-    ship: Setting,
-    truth: Setting,
-    estimate: Setting,
-    pic: Setting,
-    nic: Setting,
-    vhgp_seq: Setting,
-    vhgp_best: Setting,
+    record: Record,
+    detection: Detection,
+    ship: Ship,
+    truth: Roll,
+    estimate: Estimate,
+    pic: Pic,
+    nic: Nic,
+    vhgp_seq: VhgpSeq,
 }
 
 /// The name of the ship.
@@ -120,20 +126,20 @@ impl Stage for Index {
 }
 
 impl Params {
-    fn shown(&self) -> BTreeMap<String, Setting> {
-        let tables = [
-            ("record", &self.record),
-            ("detection", &self.detection),
-            ("truth", &self.truth),
-            ("estimate", &self.estimate),
-            ("pic", &self.pic),
-            ("nic", &self.nic),
-            ("vhgp_seq", &self.vhgp_seq),
-            ("vhgp_best", &self.vhgp_best),
-        ];
-        let named = tables.map(|(name, table)| (name.to_owned(), table.clone()));
-        let mut all = BTreeMap::from(named);
-        all.insert(format!("ship.{}", self.case.ship), self.ship.clone());
+    fn shown(&self) -> BTreeMap<String, Value> {
+        let mut all = BTreeMap::new();
+        let mut show = |name: &str, table: serde_json::Result<Value>| {
+            // A table of the parameter file holds texts, numbers and lists of them.
+            all.insert(name.to_owned(), table.unwrap_or_default());
+        };
+        show("record", serde_json::to_value(&self.record));
+        show("detection", serde_json::to_value(&self.detection));
+        show(&format!("ship.{}", self.case.ship), serde_json::to_value(&self.ship));
+        show("truth", serde_json::to_value(&self.truth));
+        show("estimate", serde_json::to_value(&self.estimate));
+        show("pic", serde_json::to_value(&self.pic));
+        show("nic", serde_json::to_value(&self.nic));
+        show("vhgp_seq", serde_json::to_value(&self.vhgp_seq));
         all
     }
 }

@@ -121,13 +121,20 @@ fn thresholds_and_capsize_angle() {
         ": truth.thresholds.to: ",
         "below capsize_angle = 0.3, found 1.2",
     ];
-    refused(&program, &["--set", "truth.capsize_angle=0.3"], &parts);
+    let levels = "truth.temporal_levels={from=0.0,to=0.1,step=0.1}";
+    refused(&program, &["--set", levels, "--set", "truth.capsize_angle=0.3"], &parts);
     let parts = [
         "stages/paper.toml:",
         ": truth.temporal_level: ",
         "below capsize_angle = 0.2, found 0.25",
     ];
-    refused(&program, &["--set", "truth.capsize_angle=0.2"], &parts);
+    refused(&program, &["--set", levels, "--set", "truth.capsize_angle=0.2"], &parts);
+    let parts = [
+        "stages/paper.toml:",
+        ": truth.temporal_levels.to: ",
+        "below capsize_angle = 0.3, found 1.2",
+    ];
+    refused(&program, &["--set", "truth.capsize_angle=0.3"], &parts);
 }
 
 #[test]

@@ -278,7 +278,7 @@ fn a_lock_that_leaves_something_out_is_told() {
     for (text, expected) in [
         (
             without("file printed/"),
-            "file printed/fig1_wave_groups.* and 8 more: expected a published file",
+            "file printed/fig1_wave_groups.* and 12 more: expected a published file",
         ),
         (without("file table1."), "file table1.*: expected a published file"),
         (

@@ -2,17 +2,11 @@
 
 use std::collections::BTreeMap;
 
-use encounter::report::page::{Page, Setting, Shown, html};
+use encounter::report::page::{Page, Shown, html};
+use serde_json::json;
 
 fn page() -> Page {
-    let table = BTreeMap::from([
-        ("fields".to_owned(), Setting::Whole(16)),
-        ("name".to_owned(), Setting::Text("<S1>".to_owned())),
-        (
-            "list".to_owned(),
-            Setting::List(vec![Setting::Number(0.5), Setting::Flag(true)]),
-        ),
-    ]);
+    let table = json!({"fields": 16, "name": "<S1>", "list": [0.5, true], "range": {"from": 0.0}});
     Page {
         ship: "a & b".to_owned(),
         figures: vec![Shown {
@@ -25,7 +19,7 @@ fn page() -> Page {
         }],
         table1: "| sea | P |\n|---|---|\n| S1 | 1 \\| 2 |\n".to_owned(),
         findings: "# Heading\n\nAs *printed* here.\n\n- one\n- two\n".to_owned(),
-        parameters: BTreeMap::from([("record".to_owned(), Setting::Table(table))]),
+        parameters: BTreeMap::from([("record".to_owned(), table)]),
         ids: BTreeMap::from([("fig1.svg".to_owned(), "ab12".to_owned())]),
     }
 }
@@ -50,7 +44,9 @@ fn words_are_escaped_and_tables_kept() {
     assert!(text.contains("<p>As <em>printed</em> here.</p>") && !text.contains("# Heading"));
     assert!(text.contains("<ul>\n<li>one</li>\n<li>two</li>\n</ul>"));
     assert!(
-        text.contains("[record]\nfields = 16\nlist = [0.5, true]\nname = &quot;&lt;S1&gt;&quot;\n"),
+        text.contains(
+            "[record]\nfields = 16\nlist = [0.5, true]\nname = &quot;&lt;S1&gt;&quot;\nrange = { from = 0.0 }\n"
+        ),
         "{text}"
     );
     assert!(text.contains("<tr><td>fig1.svg</td><td><code>ab12</code></td></tr>"));
