@@ -18,8 +18,8 @@
 //! | [`engine`] | the cache: keys, store, schedule, lock; knows no wave and no ship | |
 //! | [`cli`] | the verbs; speaks, never computes | |
 //!
-//! Who may import whom: `stages` all but `cli`; `design` -> `gp` -> `numerics`; `report` -> `plot`; `sea`, `ship`, `plot` -> `numerics`;
-//! Who may import whom: `stages` all but `cli`; `design` -> `gp` -> `numerics`; `calibration` -> `sea`, `ship`; `sea`, `ship`, `plot` -> `numerics`;
+//! Who may import whom: `stages` all but `cli`; `design` -> `gp` -> `numerics`; `calibration` -> `sea`, `ship`; `report` -> `plot`;
+//! `sea`, `ship`, `plot` -> `numerics`;
 //! `engine` nothing of ours. `tests/architecture` polices it, since the fingerprint of a stage's code follows these edges.
 
 pub mod calibration;
