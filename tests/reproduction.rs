@@ -211,6 +211,8 @@ fn the_calibration_study_runs_on_request_into_a_lock_of_its_own() {
         assert_eq!(said.code, 0, "{}", said.stderr);
         std::fs::read_to_string(program.path("store/tiny.calibration.lock")).expect("its lock is written")
     };
+    assert_eq!(program.call(&["run", "calibration_check"]).code, 0);
+    assert!(!program.path("store/tiny.calibration_check.lock").exists());
     let text = made("2");
     assert!(!program.path("store/tiny.lock").exists());
     let lock = Lock::parse(&text).expect("our own lock");

@@ -23,6 +23,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use crate::engine::disk::System;
 use crate::engine::error::{Error, Result};
 use crate::engine::graph::Graph;
+use crate::engine::node::Node;
 use crate::engine::params::ParamsFile;
 use crate::engine::store::Store;
 use crate::engine::target::Target;
@@ -186,10 +187,12 @@ impl Common {
     }
 }
 
-/// The one target, if it only runs on request: it has a lock of its own.
+/// The one target, if it is published and only on request: it has a lock of its own.
 fn on_request(targets: &[String]) -> Option<&str> {
     let [own] = targets else { return None };
-    PIPELINE.on_request.contains(&own.as_str()).then_some(own.as_str())
+    let is_it = |node: &&dyn Node| node.name() == own && node.is_published();
+    let is_published = PIPELINE.contents.iter().any(is_it);
+    (is_published && PIPELINE.on_request.contains(&own.as_str())).then_some(own.as_str())
 }
 
 /// Reads a target. All epsilon_1 of a ship lie in one node, so `nic/calibrated-S1-0.002` is `nic/calibrated-S1`.

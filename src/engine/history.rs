@@ -107,9 +107,14 @@ impl<'s> History<'s> {
     }
 }
 
+/// Where the record of a key lies.
+pub(crate) fn record_file(store: &Store, key: &Key) -> PathBuf {
+    path_in(store.root(), "records", &key.to_string(), ".json")
+}
+
 /// Whether there is a file where the record of a key lies.
 pub(crate) fn has_record_file(store: &Store, key: &Key) -> bool {
-    path_in(store.root(), "records", &key.to_string(), ".json").is_file()
+    record_file(store, key).is_file()
 }
 
 /// The stage of a node's name.

@@ -24,7 +24,7 @@ use std::path::{Path, PathBuf};
 use std::time::{SystemTime, UNIX_EPOCH};
 
 use crate::engine::error::Result;
-use crate::engine::history::has_record_file;
+use crate::engine::history::record_file;
 use crate::engine::id::{Id, Key};
 use crate::engine::run::Run;
 use crate::engine::store::Found;
@@ -61,6 +61,14 @@ struct Stat {
     mtime: (i64, i64),
     ctime: (i64, i64),
     inode: u64,
+}
+
+/// Whether record and object of a row, read whole, are what it says.
+fn is_sound(run: &Run<'_>, row: &Row) -> bool {
+    let record = run.store.record(&row.key);
+    let is_gone = row.stat.is_none() && !run.store.has(&row.id);
+    record.is_some_and(|record| record.id == row.id.to_string())
+        && (is_gone || matches!(run.store.peek(&row.id, None), Found::Bytes(_)))
 }
 
 /// What the index could say of a whole graph.
@@ -123,9 +131,8 @@ impl Index {
                 // Made again, a lost output must have the same id: what reads it can be looked at all the same.
                 run.suppose(node, piece, row.id, row.bytes);
                 if !self.vouches_for(run, &row) {
-                    match (run.store.peek(&row.id, None), &mut belief) {
-                        (Found::Bytes(_), Belief::All { rehashed }) => *rehashed = true,
-                        (Found::Bytes(_), Belief::Not) => {}
+                    match &mut belief {
+                        Belief::All { rehashed } if is_sound(run, &row) => *rehashed = true,
                         _ => belief = Belief::Not,
                     }
                 }
@@ -134,13 +141,15 @@ impl Index {
         belief
     }
 
-    /// Whether the object of a row is as it was when it was verified; one that was not there, whether it still is not, and
-    /// its record is.
+    /// Whether the object of a row is as it was when it was verified, or is still not there if it was not then; and whether
+    /// its record has lain untouched since.
     fn vouches_for(&self, run: &Run<'_>, row: &Row) -> bool {
-        match &row.stat {
+        let record = Stat::of(&record_file(run.store, &row.key));
+        let object = match &row.stat {
             Some(noted) => self.is_calm(noted) && Stat::of(&run.store.object(&row.id)).as_ref() == Some(noted),
-            None => has_record_file(run.store, &row.key) && !run.store.has(&row.id),
-        }
+            None => !run.store.has(&row.id),
+        };
+        object && record.is_some_and(|record| self.is_calm(&record))
     }
 
     /// Whether nothing can have changed under the noted times after it was verified.

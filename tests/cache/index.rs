@@ -1,7 +1,7 @@
 //! The index makes nothing-to-do quick, and can do nothing else, whatever is in it.
 
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use encounter::engine::event::Event;
@@ -229,4 +229,27 @@ fn an_output_that_was_not_there_is_believed_while_its_record_is_and_it_is_not() 
     fs::remove_file(&object).expect("the object can be deleted");
     fs::remove_file(house.record(&key)).expect("the record can be deleted");
     assert_eq!(believe(&house), Belief::Not);
+}
+
+#[test]
+fn a_record_that_is_lost_or_damaged_behind_a_good_index_is_made_again() {
+    let house = settled();
+    let records: Vec<PathBuf> = house.files_in("store/records");
+    assert!(records.len() > 5);
+    for (i, record) in records.iter().enumerate() {
+        let whole = fs::read(record).expect("a record");
+        if i % 2 == 0 {
+            fs::remove_file(record).expect("a record can be deleted");
+        } else {
+            let mut bytes = whole.clone();
+            bytes[i % whole.len()] ^= 1;
+            fs::write(record, bytes).expect("a record can be written");
+        }
+        assert!(!is_idle(&house), "{}", record.display());
+        run_and_note(&house);
+        assert!(record.is_file(), "{}", record.display());
+    }
+    std::thread::sleep(Duration::from_millis(2_100));
+    run_and_note(&house);
+    assert!(is_idle(&house));
 }
