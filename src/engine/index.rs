@@ -10,6 +10,7 @@
 //! | the same, size and mtime put back | nobody can set ctime |
 //! | the same, within one tick of the clock | ctime less than 2 s before the verifying began is not believed (racy) |
 //! | deleted | there is no stat |
+//! | its record deleted or written | the record's own times are looked at alike: it is read whole |
 //! | bytes rotted on the medium under an equal stat | not here: at the next read, or by `verify --store`, which reads all |
 //!
 //! An index that is gone, damaged or of another layout is empty, which costs the time to read the records and to hash the
