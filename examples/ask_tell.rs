@@ -72,7 +72,8 @@ enum Verb {
         /// Threshold, in the unit of the maxima.
         #[arg(long)]
         theta_t: f64,
-        /// Largest maximum that enters the model: lower what is far above the threshold, like a capsize.
+        /// Largest maximum that enters the model, so that none far above the threshold, like a capsize, bends it; a little
+        /// above the threshold by default.
         #[arg(long)]
         cap: Option<f64>,
         /// Samples in all.
@@ -135,7 +136,7 @@ impl State {
     }
 
     fn design(&self) -> Design {
-        self.vhgp_best.design(&self.vhgp_seq)
+        self.vhgp_best.design(&self.vhgp_seq, self.theta_t)
     }
 
     /// Goes through the sequence again as far as its answers reach.
@@ -250,9 +251,14 @@ fn begin(folder: &Path, state: &State) -> Result<String, Refusal> {
     if let Some((name, v)) = positive.into_iter().find(|(_, v)| !(v.is_finite() && *v > 0.0)) {
         return Err(refusal(name, "a number > 0", v, "correct it"));
     }
-    if state.vhgp_seq.cap.is_nan() || state.vhgp_seq.cap <= state.theta_t {
+    if !(state.vhgp_best.cap > 1.0 && state.vhgp_best.cap < f64::INFINITY) {
         let expected = format!("more than --theta-t {}", state.theta_t);
-        return Err(refusal("--cap", expected, state.vhgp_seq.cap, "correct it"));
+        return Err(refusal(
+            "--cap",
+            expected,
+            state.vhgp_best.cap * state.theta_t,
+            "correct it",
+        ));
     }
     let checked = state.vhgp_best.check(&state.vhgp_seq);
     checked.map_err(|why| refusal("--total", "a design that holds together", why, "correct it"))?;
@@ -359,7 +365,7 @@ fn run(verb: Verb) -> Result<String, Refusal> {
         } => {
             let mut settings: Settings = toml::from_str(SETTINGS).expect("the paper's settings");
             settings.vhgp_seq.case.clear();
-            settings.vhgp_seq.cap = cap.unwrap_or(f64::MAX);
+            settings.vhgp_best.cap = cap.map_or(settings.vhgp_best.cap, |cap| cap / theta_t);
             settings.vhgp_seq.total = total.unwrap_or(settings.vhgp_seq.total);
             let absolute = fs::canonicalize(&groups);
             let groups = absolute.map_err(|why| refusal(groups.display(), "a file", why, "check its path"))?;

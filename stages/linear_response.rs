@@ -1,4 +1,4 @@
-//! §4 What a linear oscillator like the ship does about each sampled group: known without running the ship.
+//! §4 What linear oscillators like the ship do about each sampled group: known without running the ship.
 
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -9,11 +9,10 @@ use crate::design::settings::Case;
 use crate::engine::arrow::{Each, One};
 use crate::engine::error::{Error, Result};
 use crate::engine::stage::{Here, Pieces, Select, Stage};
-use crate::numerics::domain::positive;
 use crate::numerics::fourier::{Synthesis, WIDTH};
 use crate::sea::wave_field::{Record, WaveFields};
 use crate::sea::wave_group::{Groups, Sample};
-use crate::ship::linear_response::{LinearResponses, Oscillator, largest_about};
+use crate::ship::linear_response::{LinearResponses, Oscillator, geometric_means, largest_about};
 use crate::ship::response::Truth;
 use crate::ship::roll_equation::Ship;
 use crate::stages::axes::SEA;
@@ -21,7 +20,7 @@ use crate::stages::group_detection::GroupDetection;
 use crate::stages::group_sample::GroupSample;
 use crate::stages::wave_synthesis::WaveSynthesis;
 
-/// The largest roll of the oscillator in the original waves, group by group.
+/// The largest roll of the oscillators in the original waves, their geometric mean group by group.
 pub struct LinearResponse;
 
 /// Parameters of the linear response.
@@ -34,7 +33,7 @@ pub struct Params {
     linear_response: Settings,
 }
 
-/// The part of `[vhgp_seq]` that the oscillator is made for.
+/// The part of `[vhgp_seq]` that the oscillators are made for.
 #[derive(Serialize, Deserialize)]
 pub struct Row {
     /// The row of Table 1.
@@ -45,9 +44,8 @@ pub struct Row {
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Settings {
-    /// Amplitude of the harmonic balance, in theta_t.
-    #[serde(deserialize_with = "positive")]
-    amplitude: f64,
+    /// Amplitudes of the harmonic balance, in theta_t.
+    amplitudes: Vec<f64>,
 }
 
 impl Stage for LinearResponse {
@@ -60,6 +58,16 @@ impl Stage for LinearResponse {
     type Inputs = (Each<WaveSynthesis>, Each<GroupDetection>, One<GroupSample>);
     type Output = LinearResponses;
 
+    fn check(p: &Params) -> std::result::Result<(), String> {
+        let found = &p.linear_response.amplitudes;
+        if !found.is_empty() && found.iter().all(|a| *a > 0.0 && a.is_finite()) {
+            return Ok(());
+        }
+        Err(format!(
+            "linear_response.amplitudes: expected numbers > 0, at least one, found {found:?}"
+        ))
+    }
+
     fn run(
         p: &Params,
         (waves, groups, sample): (Arc<WaveFields>, Arc<Groups>, Arc<Sample>),
@@ -67,8 +75,8 @@ impl Stage for LinearResponse {
     ) -> Result<LinearResponses> {
         let row = p.vhgp_seq.case.first();
         let row = row.ok_or_else(|| Error::stage("no row of vhgp_seq.case names this sea"))?;
-        let theta_a = p.linear_response.amplitude * row.theta_t;
-        let oscillator = Oscillator::balanced(&p.ship, theta_a, TAU / waves.t_p);
+        let balanced = |a: &f64| Oscillator::balanced(&p.ship, a * row.theta_t, TAU / waves.t_p);
+        let oscillators: Vec<Oscillator> = p.linear_response.amplitudes.iter().map(balanced).collect();
         let samples = p.record.envelope_samples();
         let spacing = p.record.field_period(waves.t_p) / samples as f64;
         let mut synthesis = Synthesis::new(waves.amplitude.len(), samples);
@@ -76,15 +84,22 @@ impl Stage for LinearResponse {
         let mut z = Vec::new();
         let fields: Vec<_> = groups.fields.iter().zip(sample.of(here.first, here.items)).collect();
         for (block_index, fields) in fields.chunks(WIDTH).enumerate() {
-            let mut spectrum = waves.spectrum(block_index * WIDTH);
-            oscillator.respond(&mut spectrum, waves.delta_omega);
-            synthesis.modulus(&spectrum, &mut block);
-            for (lane, (groups, places)) in fields.iter().enumerate() {
-                for group in places.iter().map(|place| &groups[*place as usize]) {
-                    let reach = p.truth.window * group.l;
-                    z.push(largest_about(|i| block[i][lane], samples, spacing, group.t_c, reach));
+            let spectrum = waves.spectrum(block_index * WIDTH);
+            let largest = |oscillator: &Oscillator| {
+                let mut response = spectrum.clone();
+                oscillator.respond(&mut response, waves.delta_omega);
+                synthesis.modulus(&response, &mut block);
+                let mut own = Vec::new();
+                for (lane, (groups, places)) in fields.iter().enumerate() {
+                    for group in places.iter().map(|place| &groups[*place as usize]) {
+                        let reach = p.truth.window * group.l;
+                        own.push(largest_about(|i| block[i][lane], samples, spacing, group.t_c, reach));
+                    }
                 }
-            }
+                own
+            };
+            let of_each: Vec<Vec<f64>> = oscillators.iter().map(largest).collect();
+            z.extend(geometric_means(&of_each));
         }
         Ok(LinearResponses { z })
     }

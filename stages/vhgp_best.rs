@@ -60,7 +60,7 @@ impl Stage for VhgpBest {
             let index = pool.draw(&query, p.vhgp_seq.neighbours, &mut used, stream)?;
             Some((pool.point(index), responses.r[index as usize]))
         };
-        let design = p.vhgp_best.design(&p.vhgp_seq);
+        let design = p.vhgp_best.design(&p.vhgp_seq, row.theta_t);
         let mut stream = here.stream(here.first);
         let mut realisation = sequential(&design, &input, row.theta_t, respond, &mut stream);
         for x in &mut realisation.points {

@@ -1,7 +1,7 @@
-//! §4 Sequential sampling with a control: beside its length each group is known by what a linear oscillator does about it.
+//! §4 Sequential sampling with a control: beside its amplitude each group is known by what linear oscillators do about it.
 //!
-//! The look-ahead design in the coordinates (z/θ_t, ln L/T_p): z knows the waves that (L, A) leaves out, and costs no run.
-//! A group's amplitude adds little once z is known. Points are recorded as (z, L/T_p).
+//! The look-ahead design in the coordinates (z/θ_t, A/H_s): z knows the waves that (L, A) leaves out, and costs no run. A
+//! group's length adds less than its amplitude once z is known. Points are recorded as (z, A/H_s).
 
 use std::sync::Arc;
 
@@ -15,7 +15,6 @@ use crate::design::settings::{LookAhead, VhgpSeq as Shared};
 use crate::engine::arrow::{All, One, PiecesOf};
 use crate::engine::error::{Error, Result};
 use crate::engine::stage::{Here, Pieces, Select, Stage};
-use crate::numerics::elementary::{exp, ln};
 use crate::ship::linear_response::LinearResponses;
 use crate::stages::axes::SEA;
 use crate::stages::linear_response::LinearResponse;
@@ -60,8 +59,8 @@ impl Stage for VhgpControl {
         let mut points: Vec<[f64; 2]> = Vec::with_capacity(responses.points.len());
         for piece in linear.iter() {
             for z in &piece?.z {
-                let length = responses.points.get(points.len()).map(|x| x[0]);
-                points.extend(length.map(|length| [z / row.theta_t, ln(length)]));
+                let amplitude = responses.points.get(points.len()).map(|x| x[1]);
+                points.extend(amplitude.map(|a| [z / row.theta_t, a]));
             }
         }
         let input = Input::on_nodes(Quadrature::new(&points, p.vhgp_control.quadrature));
@@ -71,11 +70,11 @@ impl Stage for VhgpControl {
             let index = pool.draw(&query, p.vhgp_seq.neighbours, &mut used, stream)?;
             Some((pool.point(index), responses.r[index as usize]))
         };
-        let design = p.vhgp_control.design(&p.vhgp_seq);
+        let design = p.vhgp_control.design(&p.vhgp_seq, row.theta_t);
         let mut stream = here.stream(here.first);
         let mut realisation = sequential(&design, &input, row.theta_t, respond, &mut stream);
         for x in &mut realisation.points {
-            *x = [row.theta_t * x[0], exp(x[1])];
+            x[0] *= row.theta_t;
         }
         Ok(realisation)
     }

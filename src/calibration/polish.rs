@@ -1,20 +1,21 @@
 //! Damped least squares (Levenberg, Marquardt) with central differences: the last steps of a search.
 //!
 //! ```text
-//! (Jᵀ J + mu 1) dx = -Jᵀ f        mu from a fixed ladder, the best of its steps is taken
+//! (Jᵀ J + mu d 1) dx = -Jᵀ f       d the largest of diag Jᵀ J, mu from a fixed ladder, the best of its steps is taken
 //! ```
-//! The residuals are steps in x (counts of exceedances), so differences are wide and the damping does not vanish.
+//! The coefficients make up for each other, so Jᵀ J is nearly singular and its scale is far from 1: the damping is relative
+//! to it. The residuals are steps in x (counts of exceedances), so differences are wide and the damping does not vanish.
 //! All points of a round are evaluated as one batch. Tested in `tests/physics/calibration.rs`.
 
 use crate::numerics::cholesky::{factor, solve};
 use crate::numerics::square::Square;
 
 /// Half-width of the differences, in ln ratio.
-const WIDTH: f64 = 0.02;
-/// Longest step along a coordinate, in ln ratio.
+const WIDTH: f64 = 0.01;
+/// Longest step along a coordinate, in ln ratio; a longer step is shortened as a whole.
 const LONGEST: f64 = 0.15;
-/// The dampings tried in every round.
-const LADDER: [f64; 4] = [0.003, 0.03, 0.3, 3.0];
+/// The dampings tried in every round, in shares of the largest squared column of J.
+const LADDER: [f64; 6] = [1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 0.1];
 
 /// The point after some rounds from `start`; `residuals` evaluates a batch.
 ///
@@ -64,7 +65,8 @@ pub fn least_squares(
 }
 
 fn step(jacobian: &[Vec<f64>], f: &[f64], mu: f64) -> Option<Vec<f64>> {
-    let normal = |i: usize, j: usize| dot(&jacobian[i], &jacobian[j]) + if i == j { mu } else { 0.0 };
+    let largest = jacobian.iter().map(|column| squares(column)).fold(0.0, f64::max);
+    let normal = |i: usize, j: usize| dot(&jacobian[i], &jacobian[j]) + if i == j { mu * largest } else { 0.0 };
     let mut l = Square::from_fn(jacobian.len(), normal);
     if !factor(&mut l) {
         return None;
@@ -74,9 +76,11 @@ fn step(jacobian: &[Vec<f64>], f: &[f64], mu: f64) -> Option<Vec<f64>> {
     dx.iter().all(|dx| dx.is_finite()).then_some(dx)
 }
 
-/// A step cut to its longest, and to the bounds.
+/// A step shortened to its longest, and cut at the bounds.
 fn moved(x: &[f64], dx: &[f64], bounds: &[[f64; 2]]) -> Vec<f64> {
-    let to = |((x, dx), [low, high]): ((&f64, &f64), &[f64; 2])| (x + dx.clamp(-LONGEST, LONGEST)).clamp(*low, *high);
+    let length = dx.iter().map(|dx| dx.abs()).fold(0.0, f64::max);
+    let share = if length > LONGEST { LONGEST / length } else { 1.0 };
+    let to = |((x, dx), [low, high]): ((&f64, &f64), &[f64; 2])| (x + share * dx).clamp(*low, *high);
     x.iter().zip(dx).zip(bounds).map(to).collect()
 }
 

@@ -23,6 +23,7 @@ pub mod look_ahead;
 pub mod pool;
 pub mod quadrature;
 pub mod response_pool;
+pub mod response_scale;
 pub mod sequence;
 pub mod sequential;
 pub mod settings;

@@ -30,15 +30,15 @@ pub struct Sequence<'a> {
     model: Option<Model>,
 }
 
-/// A model with the scale of its y: scaled y = (y - centre)/scale.
+/// A model, and what it sees of the threshold.
 struct Model {
     vhgp: Vhgp<2>,
-    /// Scaled responses (n).
+    /// Responses as the model sees them (n).
     y: Vec<f64>,
     /// The parameters of `vhgp` in their vector.
     theta: Vec<f64>,
-    centre: f64,
-    scale: f64,
+    /// θ_t as the model sees it.
+    threshold: f64,
 }
 
 impl<'a> Sequence<'a> {
@@ -107,15 +107,15 @@ impl<'a> Sequence<'a> {
     /// It knows what the samples leave open of f and g, not whether the normal law holds.
     pub fn deviation(&self) -> Option<f64> {
         let m = self.model.as_ref()?;
-        let variance = look_ahead::variance(&m.vhgp, &self.input.quadrature, m.scaled(self.threshold));
+        let variance = look_ahead::variance(&m.vhgp, &self.input.quadrature, m.threshold);
         (variance >= 0.0).then(|| variance.sqrt())
     }
 
     /// Fits all samples; a failure is counted and leaves the model before in place.
     fn fit(&mut self, stream: &mut ChaCha12Rng) {
         let (cap, fitting) = (self.design.cap, &self.design.fit);
-        let told = &self.realisation.y;
-        let mut y: Vec<f64> = told.iter().map(|y| if *y > cap { cap } else { *y }).collect();
+        let seen = |y: &f64| self.design.scale.of(if *y > cap { cap } else { *y });
+        let mut y: Vec<f64> = self.realisation.y.iter().map(seen).collect();
         let (mut centre, mut scale) = (0.0, 1.0);
         if self.design.standardise {
             centre = mean(&y);
@@ -136,8 +136,7 @@ impl<'a> Sequence<'a> {
                 vhgp,
                 y,
                 theta,
-                centre,
-                scale,
+                threshold: (self.design.scale.of(self.threshold) - centre) / scale,
             });
         }
         self.realisation.evaluations += fit.evaluations;
@@ -149,7 +148,7 @@ impl<'a> Sequence<'a> {
     fn record(&mut self) {
         let estimate = self.model.as_ref().map_or_else(
             || share_above(&self.realisation.y, self.threshold),
-            |m| probability(&m.vhgp, &self.input.quadrature, m.scaled(self.threshold)),
+            |m| probability(&m.vhgp, &self.input.quadrature, m.threshold),
         );
         self.realisation.n_samples.push(self.realisation.points.len() as u32);
         self.realisation.estimate.push(estimate);
@@ -159,7 +158,7 @@ impl<'a> Sequence<'a> {
     fn doubtful(&self) -> [f64; 2] {
         let candidates = &self.input.candidates;
         let model = self.model.as_ref();
-        let query = model.and_then(|m| candidates.best(&m.vhgp, m.scaled(self.threshold)));
+        let query = model.and_then(|m| candidates.best(&m.vhgp, m.threshold));
         query.or_else(|| candidates.densest()).unwrap_or(self.input.grid.lower)
     }
 
@@ -169,7 +168,7 @@ impl<'a> Sequence<'a> {
         let Some(m) = &self.model else {
             return vec![self.input.candidates.densest().unwrap_or(self.input.grid.lower); wanted];
         };
-        let threshold = m.scaled(self.threshold);
+        let threshold = m.threshold;
         let (mut vhgp, mut y, mut theta) = (m.vhgp.clone(), m.y.clone(), m.theta.clone());
         loop {
             let query = look_ahead::best(&vhgp, &self.input.quadrature, threshold).unwrap_or(self.input.grid.lower);
@@ -185,13 +184,6 @@ impl<'a> Sequence<'a> {
                 vhgp = next;
             }
         }
-    }
-}
-
-impl Model {
-    /// A response on the model's scale.
-    fn scaled(&self, response: f64) -> f64 {
-        (response - self.centre) / self.scale
     }
 }
 

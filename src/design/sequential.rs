@@ -7,6 +7,7 @@
 use super::acquisition::Candidates;
 use super::input_density::Grid;
 use super::quadrature::Quadrature;
+use super::response_scale::ResponseScale;
 use super::sequence::Sequence;
 use crate::gp::fit::Fitting;
 use rand_chacha::ChaCha12Rng;
@@ -23,7 +24,9 @@ pub struct Design {
     pub total: u32,
     /// Largest response that enters the model.
     pub cap: f64,
-    /// Whether the model sees (y - mean)/sd of the current samples, or y itself.
+    /// The scale on which the model is normal.
+    pub scale: ResponseScale,
+    /// Whether the model sees (y - mean)/sd of the current samples, or y itself, on its scale.
     pub standardise: bool,
     /// How the model is fitted.
     pub fit: Fitting,

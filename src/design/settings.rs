@@ -4,6 +4,7 @@
 //! `realisations` is a count of the engine and not read here. Tested in `tests/physics/design.rs`.
 
 use super::input_density::Grid;
+use super::response_scale::ResponseScale;
 use super::sequential::{Design, Plan};
 use crate::gp::fit::{Fitting, KernelSpan};
 use crate::numerics::domain::{count, non_negative, positive};
@@ -118,6 +119,7 @@ impl VhgpSeq {
             batch: self.batch,
             total: self.total,
             cap: self.cap,
+            scale: ResponseScale::Identity,
             standardise: self.standardise,
             fit: self.fit.clone(),
             plan,
@@ -150,6 +152,11 @@ pub struct LookAhead {
     pub tau: [f64; 2],
     /// Nodes of the quadrature along each coordinate.
     pub quadrature: [u32; 2],
+    /// Largest response that enters the model, in θ_t; above 1.
+    #[serde(deserialize_with = "positive")]
+    pub cap: f64,
+    /// The scale on which the model is normal.
+    pub response_scale: ResponseScale,
     /// Kernel of the mean.
     pub k_f: KernelSpan,
     /// Kernel of the log noise variance.
@@ -157,11 +164,12 @@ pub struct LookAhead {
 }
 
 impl LookAhead {
-    /// How it is laid out; the rest as in the paper's method.
-    pub fn design(&self, shared: &VhgpSeq) -> Design {
+    /// How it is laid out for a threshold; the rest as in the paper's method.
+    pub fn design(&self, shared: &VhgpSeq, theta_t: f64) -> Design {
         let plan = Plan::LookAhead { tau: self.tau };
         let mut design = shared.laid_out(plan);
         (design.initial, design.batch) = (self.initial, self.batch);
+        (design.cap, design.scale) = (self.cap * theta_t, self.response_scale);
         (design.fit.k_f, design.fit.k_g) = (self.k_f.clone(), self.k_g.clone());
         design
     }
@@ -186,7 +194,10 @@ impl LookAhead {
                 self.quadrature
             ));
         }
-        let fit = self.design(shared).fit.check(2);
+        if self.cap <= 1.0 {
+            return Err(format!("cap: expected more than 1 (theta_t), found {}", self.cap));
+        }
+        let fit = self.design(shared, 1.0).fit.check(2);
         fit.map_err(|why| why.trim_start_matches("fit.").to_owned())
     }
 }

@@ -1,4 +1,4 @@
-//! What a linear oscillator like the ship does in the same waves: known from the modes, without a run.
+//! What linear oscillators like the ship do in the same waves: known from the modes, without a run.
 //!
 //! ```text
 //! harmonic balance of Eq. (6) without epsilon_1 at the amplitude θ_a and the frequency ω_p:
@@ -6,9 +6,12 @@
 //! beta  = beta_1 + 3/4 beta_2 θ_a²
 //! H(ω)  = epsilon_2/(beta - ω² + i alpha ω),   Z(t) = sum_k H(ω_k) A_k e^(i(ω_k t + phi_k)),   z_i = max |Z| about group i
 //! ```
-//! |Z| is the envelope of the oscillator's steady roll. Nayfeh & Mook, *Nonlinear Oscillations* (1979), section 4.1. Tested
-//! against the roll equation itself, run linear, in `tests/physics/linear_response.rs`.
+//! |Z| is the envelope of the oscillator's steady roll. A softening ship is tuned to other waves at every amplitude; on its
+//! way to the threshold a swing passes all of them, so a group is known by the geometric mean of z over some. Nayfeh &
+//! Mook, *Nonlinear Oscillations* (1979), section 4.1. Tested against the roll equation itself, run linear, in
+//! `tests/physics/linear_response.rs`.
 
+use crate::numerics::elementary::{exp, ln};
 use crate::numerics::fourier::{Lanes, WIDTH};
 use crate::ship::roll_equation::{Damping, Ship};
 use num_complex::Complex;
@@ -68,7 +71,14 @@ pub fn largest_about(series: impl Fn(usize) -> f64, samples: usize, spacing: f64
     largest
 }
 
-/// The oscillator's response to each sampled group of a piece.
+/// The geometric mean of every group over some oscillators, `z` (oscillators, groups); 0 where one of them is at rest.
+pub fn geometric_means(z: &[Vec<f64>]) -> Vec<f64> {
+    let groups = z.first().map_or(0, Vec::len);
+    let mean = |i: usize| exp(z.iter().fold(0.0, |sum, own| sum + ln(own[i])) / z.len() as f64);
+    (0..groups).map(mean).collect()
+}
+
+/// The oscillators' response to each sampled group of a piece.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LinearResponses {
     /// z (groups), rad, in the order of the sample.

@@ -37,7 +37,7 @@ fn shared() -> VhgpSeq {
 }
 
 fn best() -> Design {
-    table::<LookAhead>("vhgp_best").design(&shared())
+    table::<LookAhead>("vhgp_best").design(&shared(), 0.9)
 }
 
 /// 200,000 groups in (ln L/T_p, A/H_s) and a roll with scatter, about as many exceedances as S2 has.

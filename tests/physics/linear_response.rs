@@ -2,7 +2,7 @@
 
 use encounter::numerics::elementary::{cos, sin};
 use encounter::numerics::fourier::{Lanes, Synthesis, WIDTH};
-use encounter::ship::linear_response::{Oscillator, largest_about};
+use encounter::ship::linear_response::{Oscillator, geometric_means, largest_about};
 use encounter::ship::roll_equation::{Damping, RollEquation, Ship};
 use num_complex::Complex;
 
@@ -102,4 +102,12 @@ fn the_largest_about_a_group_is_the_whole_scan_s_and_wraps() {
         }
         assert_eq!(largest_about(|i| series[i], 64, 2.0, centre, reach), expected);
     }
+}
+
+#[test]
+fn groups_are_known_by_the_geometric_mean_over_the_oscillators() {
+    let z = geometric_means(&[vec![0.2, 0.5, 0.0], vec![0.8, 0.5, 1.0]]);
+    assert!((z[0] - 0.4).abs() < 1e-15 && (z[1] - 0.5).abs() < 1e-15, "{z:?}");
+    assert_eq!(z[2], 0.0, "at rest in one of them");
+    assert!(geometric_means(&[vec![]]).is_empty());
 }

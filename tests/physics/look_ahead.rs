@@ -5,6 +5,7 @@ use encounter::design::estimate::random_relative_deviation;
 use encounter::design::look_ahead::{best, variance};
 use encounter::design::pool::{Pool, Used};
 use encounter::design::quadrature::Quadrature;
+use encounter::design::response_scale::ResponseScale;
 use encounter::design::sequential::{Design, Input, Plan, Realisation, sequential};
 use encounter::design::settings::{LookAhead, VhgpSeq};
 use encounter::gp::grid::{Pair, covariances_on, means_on};
@@ -52,7 +53,7 @@ fn fitted(n: usize, design: &Design) -> (Vhgp<2>, Vec<f64>, Vec<f64>) {
 fn the_bounded_argmax_is_the_whole_scan_s() {
     let (points, _) = groups();
     let q = Quadrature::new(&points, [24, 24]);
-    let (model, _, _) = fitted(40, &own().design(&shared()));
+    let (model, _, _) = fitted(40, &own().design(&shared(), 0.85));
     for threshold in [0.5, 1.5, 2.5] {
         let means = means_on(&model, &q.axes);
         let slopes = |i: usize| {
@@ -81,7 +82,7 @@ fn the_bounded_argmax_is_the_whole_scan_s() {
 fn the_chosen_sample_lowers_the_variance_more_than_others_do() {
     let (points, _) = groups();
     let q = Quadrature::new(&points, [24, 24]);
-    let design = own().design(&shared());
+    let design = own().design(&shared(), 0.85);
     let (model, y, theta) = fitted(60, &design);
     let with = |x: [f64; 2]| {
         let (mut more, mut y, mut theta) = (model.x.clone(), y.clone(), theta.clone());
@@ -125,7 +126,7 @@ fn looking_ahead_finds_the_probability_of_a_pool_of_groups() {
     let pool = groups();
     let threshold = 0.85;
     let truth = pool.1.iter().filter(|r| **r > threshold).count() as f64 / 20_000.0;
-    let design = own().design(&shared());
+    let design = own().design(&shared(), 0.85);
     let runs: Vec<Realisation> = (0..4)
         .map(|seed| realisation(&design, &pool, threshold, seed))
         .collect();
@@ -143,9 +144,39 @@ fn looking_ahead_finds_the_probability_of_a_pool_of_groups() {
 }
 
 #[test]
+fn a_scale_keeps_order_and_sign_and_so_the_share_above_any_threshold() {
+    let y = [-2.25, -0.3, -0.0, 0.0, 0.09, 0.25, 1.0, 4.0];
+    for pair in y.windows(2) {
+        let [low, high] = [0, 1].map(|i| ResponseScale::SquareRoot.of(pair[i]));
+        assert!(low <= high && (low < high) == (pair[0] < pair[1]), "{pair:?}");
+    }
+    assert_eq!(y.map(|y| ResponseScale::Identity.of(y)), y);
+    assert_eq!(ResponseScale::SquareRoot.of(-2.25), -1.5);
+}
+
+#[test]
+fn the_square_root_takes_the_bias_out_of_a_skewed_response() {
+    // The square of a normal response: the model is right on its scale alone.
+    let (x, y) = groups();
+    let pool = (x, y.iter().map(|y| y.abs() * y).collect::<Vec<f64>>());
+    let threshold = 0.85 * 0.85;
+    let truth = pool.1.iter().filter(|r| **r > threshold).count() as f64 / 20_000.0;
+    let bias = |scale: ResponseScale| {
+        let mut design = own().design(&shared(), threshold);
+        (design.scale, design.cap) = (scale, 4.0);
+        let p: Vec<f64> = (0..4)
+            .map(|seed| realisation(&design, &pool, threshold, seed).estimate[30] / truth)
+            .collect();
+        mean(&p) - 1.0
+    };
+    let (plain, root) = (bias(ResponseScale::Identity), bias(ResponseScale::SquareRoot));
+    assert!(root.abs() < 0.2 && plain < root - 0.05, "{plain} {root}");
+}
+
+#[test]
 fn the_first_samples_follow_the_density() {
     let pool = groups();
-    let mut design = own().design(&shared());
+    let mut design = own().design(&shared(), 0.85);
     (design.initial, design.total) = (400, 400);
     design.fit.iterations = 1;
     let input = Input::on_nodes(Quadrature::new(&pool.0, [48, 48]));
@@ -191,7 +222,7 @@ fn a_hypercube_is_laid_out_beforehand() {
 #[test]
 fn wrong_tables_are_refused() {
     type Change = fn(&mut LookAhead);
-    let changes: [(Change, &str); 4] = [
+    let changes: [(Change, &str); 5] = [
         (
             |s| s.initial = 121,
             "initial: expected at most `vhgp_seq.total` = 120, found 121",
@@ -201,6 +232,7 @@ fn wrong_tables_are_refused() {
             |s| s.quadrature[0] = 0,
             "quadrature: expected whole numbers >= 1, found [0, 64]",
         ),
+        (|s| s.cap = 1.0, "cap: expected more than 1 (theta_t), found 1"),
         (
             |s| s.k_g.variance.start = 2.0,
             "k_g.variance: expected 0 < from <= start <= to, found from = 0.01, start = 2, to = 1",
