@@ -87,13 +87,13 @@ fn rk4_of_one_ship(bencher: Bencher) {
     });
 }
 
-/// The same in C, 24 lanes, by this machine's compiler: the time of a process, 30 such runs.
+/// The same in C, 24 lanes, by this machine's compiler: the time of a process, 60 such runs.
 #[divan::bench(sample_count = 20)]
 fn rk4_in_c(bencher: Bencher) {
     let Some(program) = in_c::program() else { return };
     bencher
-        .counter(ItemsCount::new(30 * LANES * STEPS))
-        .bench_local(|| in_c::output(&program, &["30"]));
+        .counter(ItemsCount::new(60 * LANES * STEPS))
+        .bench_local(|| in_c::output(&program, &["rk4", "60"]));
 }
 
 /// The elevation of eight fields, from their phases.
@@ -158,15 +158,15 @@ fn truth_of_eight_fields(bencher: Bencher, name: &str) {
     });
 }
 
-/// Nearly the same in C, 20 times eight fields: less is counted, `truth.c` says what not.
+/// Nearly the same in C, 40 times eight fields: less is counted, `truth.c` says what not.
 #[divan::bench(sample_count = 20)]
 fn truth_in_c(bencher: Bencher) {
     let Some(program) = in_c::program() else { return };
     let timing = timing();
     let steps = (timing.lead_in + timing.steps) as usize;
     bencher
-        .counter(ItemsCount::new(20 * LANES * steps))
-        .bench_local(|| in_c::output(&program, &["truth", "20"]));
+        .counter(ItemsCount::new(40 * LANES * steps))
+        .bench_local(|| in_c::output(&program, &["truth", "40"]));
 }
 
 /// One field and one epsilon_1, the trajectory kept, the elevation given.
