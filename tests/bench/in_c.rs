@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 /// The compiled program; none without gcc.
-pub(crate) fn program() -> Option<PathBuf> {
+fn program() -> Option<PathBuf> {
     let program = Path::new(env!("CARGO_TARGET_TMPDIR")).join("bench-truth-c");
     let built = Command::new("gcc")
         .args([
@@ -23,7 +23,7 @@ pub(crate) fn program() -> Option<PathBuf> {
 }
 
 /// What the program prints.
-pub(crate) fn output(program: &Path, arguments: &[&str]) -> String {
+fn output(program: &Path, arguments: &[&str]) -> String {
     let said = Command::new(program).args(arguments).output();
     String::from_utf8_lossy(&said.expect("a program just built").stdout).into_owned()
 }
@@ -31,4 +31,9 @@ pub(crate) fn output(program: &Path, arguments: &[&str]) -> String {
 /// The most multiplications and additions of one core, without FMA, GFlop/s.
 pub(crate) fn peak() -> Option<f64> {
     output(&program()?, &[]).trim().parse().ok()
+}
+
+/// What a lane-step takes in C at best, timed by the program itself: `rk4` or `truth`, ns.
+pub(crate) fn lane_step(what: &str) -> Option<f64> {
+    output(&program()?, &[what]).trim().parse().ok()
 }

@@ -1,8 +1,8 @@
 //! The truth of eight fields: the Runge-Kutta step, the elevation, and both with everything that is counted.
 //!
+//! Beside them [`crate::table`] prints what C takes: the step, and nearly the whole (`truth.c` says what it leaves out).
 //! The items of a second are lane-steps, samples, and lane-steps again: ns of one is 1000 / (Mitem/s).
 
-use crate::in_c;
 use crate::roll_twin::{Trajectory, acceleration, printed, truth};
 use crate::seas::{detection, fields, four_seas, record};
 use divan::counter::ItemsCount;
@@ -87,15 +87,6 @@ fn rk4_of_one_ship(bencher: Bencher) {
     });
 }
 
-/// The same in C, 24 lanes, by this machine's compiler: the time of a process, 60 such runs.
-#[divan::bench(sample_count = 20)]
-fn rk4_in_c(bencher: Bencher) {
-    let Some(program) = in_c::program() else { return };
-    bencher
-        .counter(ItemsCount::new(60 * LANES * STEPS))
-        .bench_local(|| in_c::output(&program, &["rk4", "60"]));
-}
-
 /// The elevation of eight fields, from their phases.
 #[divan::bench(args = LEVELS, sample_count = 50)]
 fn eta_of_eight_fields(bencher: Bencher, name: &str) {
@@ -156,17 +147,6 @@ fn truth_of_eight_fields(bencher: Bencher, name: &str) {
         black_box(&fields).elevation(0, &mut synthesis, &mut eta);
         continuous_record(&simulation, &timing, &eta, &encounters)
     });
-}
-
-/// Nearly the same in C, 40 times eight fields: less is counted, `truth.c` says what not.
-#[divan::bench(sample_count = 20)]
-fn truth_in_c(bencher: Bencher) {
-    let Some(program) = in_c::program() else { return };
-    let timing = timing();
-    let steps = (timing.lead_in + timing.steps) as usize;
-    bencher
-        .counter(ItemsCount::new(40 * LANES * steps))
-        .bench_local(|| in_c::output(&program, &["truth", "40"]));
 }
 
 /// One field and one epsilon_1, the trajectory kept, the elevation given.
