@@ -152,17 +152,31 @@ impl FromPrimitive for Lanes {
 
 /// (cos, sin) of the angle 2 pi k/n, n a multiple of 8, by reduction to the first octant: exact at its symmetries.
 pub fn turn(k: usize, n: usize) -> Complex<f64> {
+    reflected(k, n, |m| in_first_octant(m, n))
+}
+
+/// [`turn`] for k = 0, 1, .. n - 1: one octant computed, the others reflected.
+pub fn turns(n: usize) -> Vec<Complex<f64>> {
+    let octant: Vec<_> = (0..=n / 8).map(|m| in_first_octant(m, n)).collect();
+    (0..n).map(|k| reflected(k, n, |m| octant[m])).collect()
+}
+
+/// (cos, sin) of the angle 2 pi m/n, m = 0, 1, .. n/8.
+fn in_first_octant(m: usize, n: usize) -> Complex<f64> {
+    if m == n / 8 {
+        return Complex::new(0.5_f64.sqrt(), 0.5_f64.sqrt());
+    }
+    let (sine, cosine) = elementary::sin_cos(std::f64::consts::TAU * m as f64 / n as f64);
+    Complex::new(cosine, sine)
+}
+
+/// (cos, sin) of the angle 2 pi k/n, from those of the first octant.
+fn reflected(k: usize, n: usize, octant: impl Fn(usize) -> Complex<f64>) -> Complex<f64> {
     let (k, eighth) = (k % n, n / 8);
     let within = k % eighth;
     // Odd octants run backwards, from the next multiple of an eighth turn.
     let odd = (k / eighth) % 2 == 1;
-    let m = if odd { eighth - within } else { within };
-    let (sine, cosine) = elementary::sin_cos(std::f64::consts::TAU * m as f64 / n as f64);
-    let (sine, cosine) = if m == eighth {
-        (0.5_f64.sqrt(), 0.5_f64.sqrt())
-    } else {
-        (sine, cosine)
-    };
+    let Complex { re: cosine, im: sine } = octant(if odd { eighth - within } else { within });
     match k / eighth {
         0 => Complex::new(cosine, sine),
         1 => Complex::new(sine, cosine),
@@ -266,7 +280,7 @@ impl Synthesis {
             length,
             shifts: samples / length,
             transform: Transform::inverse(length),
-            turns: (0..samples).map(|j| turn(j, samples)).collect(),
+            turns: turns(samples),
             buffer: vec![Complex::zero(); length],
             scratch: Vec::new(),
         }

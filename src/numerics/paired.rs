@@ -17,7 +17,7 @@
 //! does not fit a cache near the CPU: both shifts of a transform are neighbours, and what else is touched is kept small.
 //! Tested against direct sums and rustfft in `tests/physics/fourier.rs`.
 
-use crate::numerics::fourier::{Lanes, WIDTH, turn};
+use crate::numerics::fourier::{Lanes, WIDTH, turn, turns};
 use crate::numerics::lanes::Kernel;
 use num_complex::Complex;
 
@@ -78,7 +78,7 @@ impl Paired {
     /// Plans series of `samples` points, a power of two and at least 2 N.
     pub(crate) fn new(samples: usize) -> Self {
         let shifts = samples / N;
-        let turns: Vec<_> = (0..samples).map(|j| turn(j, samples)).collect();
+        let turns = turns(samples);
         let at = |r: usize, q: usize, k: usize| turns[(k * (r + shifts * q)) & (samples - 1)];
         let between = (0..shifts / 2)
             .flat_map(|pair| (0..SIDE).flat_map(move |q| (0..SIDE).map(move |k| (pair, q, k))))

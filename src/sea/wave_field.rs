@@ -169,20 +169,19 @@ impl Kernel for Spectrum<'_> {
 
     #[inline(always)]
     fn run(self) -> Self::Output {
+        let modes = self.fields.amplitude.len();
         let phase = &self.fields.phase[self.first.min(self.fields.phase.len())..];
-        let used = phase.len().min(WIDTH);
-        let mut spectrum = vec![Complex::zero(); self.fields.amplitude.len()];
-        for (k, c) in spectrum.iter_mut().enumerate() {
-            let mut phi = [0.0; WIDTH];
-            let mut amplitude = [0.0; WIDTH];
-            for lane in 0..used {
-                phi[lane] = phase[lane][k];
-                amplitude[lane] = self.fields.amplitude[k];
-            }
+        let none = vec![0.0; modes];
+        let rows: [&[f64]; WIDTH] = std::array::from_fn(|lane| phase.get(lane).map_or(&none[..], |row| &row[..modes]));
+        let used: [f64; WIDTH] = std::array::from_fn(|lane| if lane < phase.len() { 1.0 } else { 0.0 });
+        let mut spectrum = vec![Complex::zero(); modes];
+        for (k, (c, a)) in spectrum.iter_mut().zip(&self.fields.amplitude).enumerate() {
+            let phi = std::array::from_fn(|lane| rows[lane][k]);
+            let amplitude = Lanes(used.map(|used| used * a));
             let (sin, cos) = elementary::sin_cos_lanes(phi);
             *c = Complex {
-                re: Lanes(cos) * Lanes(amplitude),
-                im: Lanes(sin) * Lanes(amplitude),
+                re: Lanes(cos) * amplitude,
+                im: Lanes(sin) * amplitude,
             };
         }
         spectrum

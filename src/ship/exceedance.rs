@@ -9,6 +9,7 @@
 //! Tested in `tests/physics/exceedance.rs` on data made by hand and against seeded sampling.
 
 use crate::numerics::domain;
+use crate::numerics::lanes::{Kernel, dispatch};
 use crate::ship::response::Response;
 use serde::{Deserialize, Serialize};
 
@@ -102,8 +103,7 @@ impl Exceedances {
         let n_f = r.len() as u64;
         self.n += n_f;
         self.n_n += n_f * n_f;
-        for (k, level) in theta_t.iter().enumerate() {
-            let c_f = r.iter().filter(|r| *r > level).count() as u64;
+        for (k, c_f) in dispatch(Above { theta_t, r }).into_iter().enumerate() {
             self.c[k] += c_f;
             self.c_c[k] += c_f * c_f;
             self.c_n[k] += c_f * n_f;
@@ -150,6 +150,32 @@ impl Exceedances {
             standard_error: (0..theta_t.len()).filter_map(|k| self.standard_error(k)).collect(),
             n: self.n,
         }
+    }
+}
+
+/// How many responses are above each threshold.
+struct Above<'a> {
+    theta_t: &'a [f64],
+    r: &'a [f64],
+}
+
+impl Kernel for Above<'_> {
+    type Output = Vec<u64>;
+
+    #[inline(always)]
+    fn run(self) -> Vec<u64> {
+        let mut highest = f64::NEG_INFINITY;
+        for r in self.r {
+            highest = if *r > highest { *r } else { highest };
+        }
+        let mut counts = vec![0; self.theta_t.len()];
+        for (count, level) in counts.iter_mut().zip(self.theta_t) {
+            // Most levels are above all of a field.
+            if highest > *level {
+                *count = self.r.iter().filter(|r| *r > level).count() as u64;
+            }
+        }
+        counts
     }
 }
 
