@@ -1,6 +1,5 @@
 //! `encounter run`: make what is missing, then write figures, tables and the lock.
 
-use std::fs;
 use std::sync::Mutex;
 use std::time::Instant;
 
@@ -11,6 +10,7 @@ use crate::cli::interrupt::STOP;
 use crate::cli::progress::Progress;
 use crate::cli::{Common, Session, gc, on_request, print_json, same_bits, say, status, timing};
 use crate::engine::code;
+use crate::engine::disk::read_text;
 use crate::engine::error::{Error, Result};
 use crate::engine::event::Event;
 use crate::engine::idle::{self, Traces};
@@ -147,7 +147,7 @@ fn keeps_lock(args: &RunArgs) -> bool {
 /// Writes the lock, unless only the compiler's name would change.
 fn write_lock(args: &RunArgs, lock: &Lock) -> Result<()> {
     let path = args.common.lock_file(&args.target)?;
-    let old = fs::read_to_string(&path).ok().and_then(|text| Lock::parse(&text).ok());
+    let old = read_text(&path).ok().and_then(|text| Lock::parse(&text).ok());
     if old.is_some_and(|old| old.says_the_same_as(lock)) {
         return Ok(());
     }
@@ -235,7 +235,7 @@ impl Ledger {
     fn print_stages(&self, session: &Session) {
         for of in self.by_stage(session) {
             say(format_args!(
-                "{:<12} {:<22} {:>6} pieces {:>9.2} s {:>10.2} MB",
+                "{:<14} {:<22} {:>6} pieces {:>9.2} s {:>10.2} MB",
                 of.paper,
                 of.stage,
                 of.pieces,

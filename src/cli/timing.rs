@@ -43,7 +43,7 @@ impl Times {
                 per(all.seconds, *elapsed).unwrap_or(0.0)
             )),
             Self::Recorded(_) => say(format_args!(
-                "nothing had to run: {took} of one core is what the {} took when they were made, by their records",
+                "nothing had to run: {took} of one core, as recorded when the {} were made",
                 counted(all.pieces, "piece")
             )),
         }
