@@ -7,7 +7,7 @@ use std::collections::BTreeSet;
 
 use serde::Serialize;
 
-use crate::engine::graph::Graph;
+use crate::engine::graph::{Graph, NodeCase};
 use crate::engine::history::stage_of;
 use crate::engine::id::Id;
 use crate::engine::run::{Listener, Run};
@@ -66,7 +66,7 @@ pub fn by_stage<'a>(graph: &Graph, pieces: impl IntoIterator<Item = PieceTime<'a
 pub fn recorded(graph: &Graph, store: &Store) -> Vec<StageTime> {
     const SILENT: &Listener<'static> = &|_| {};
     let run = Run::new(graph, store, SILENT);
-    let names: Vec<String> = graph.nodes.iter().map(|it| it.name()).collect();
+    let names: Vec<String> = graph.nodes.iter().map(NodeCase::name).collect();
     let (mut seen, mut pieces) = (BTreeSet::new(), Vec::new());
     for (node, name) in names.iter().enumerate() {
         for piece in graph.wanted_pieces(node) {
