@@ -1,6 +1,5 @@
 //! `encounter diff`: what changed since a revision: parameters, contents of nodes, numbers of Table 1 and Figure 3.
 
-use std::fs;
 use std::path::Path;
 
 use clap::Args;
@@ -8,6 +7,7 @@ use serde_json::json;
 
 use crate::cli::words::{self, Line, counted};
 use crate::cli::{Common, Profile, print_json, say};
+use crate::engine::disk::read_text;
 use crate::engine::error::Result;
 use crate::engine::lock::Lock;
 use crate::engine::params::ParamsFile;
@@ -93,7 +93,7 @@ fn lines(common: &Common, revision: &Revision) -> Result<Option<(Vec<LineChange>
     let name = format!("artifacts/{}", lock_name(common));
     let path = common.lock_file(&[])?;
     let old = revision.file(&name)?;
-    let new = fs::read_to_string(&path).ok();
+    let new = read_text(&path).ok();
     let Some((old, new)) = old.zip(new) else {
         return Ok(None);
     };
@@ -119,7 +119,7 @@ fn tables(common: &Common, revision: &Revision, old: &ParamsFile, new: &ParamsFi
                 None => None,
             };
             let path = folder.join(prefix(place)).join(file);
-            let cells = match (then, fs::read_to_string(&path)) {
+            let cells = match (then, read_text(&path)) {
                 (None, _) => Err(format!("not committed at {}", revision.name)),
                 (_, Err(_)) => Err(format!("no {}", path.display())),
                 (Some(then), Ok(now)) => Ok(versions::cells(&then, &now, keys)),

@@ -9,6 +9,7 @@ pub mod progress;
 pub mod run;
 pub mod show;
 pub mod status;
+mod timing;
 pub mod verify;
 pub mod why;
 mod words;

@@ -1,7 +1,5 @@
 //! `encounter run`: make what is missing, then write figures, tables and the lock.
 
-use std::collections::BTreeMap;
-use std::fs;
 use std::sync::Mutex;
 use std::time::Instant;
 
@@ -10,8 +8,9 @@ use serde_json::json;
 
 use crate::cli::interrupt::STOP;
 use crate::cli::progress::Progress;
-use crate::cli::{Common, Session, gc, on_request, print_json, same_bits, say, status};
+use crate::cli::{Common, Session, gc, on_request, print_json, same_bits, say, status, timing};
 use crate::engine::code;
+use crate::engine::disk::read_text;
 use crate::engine::error::{Error, Result};
 use crate::engine::event::Event;
 use crate::engine::idle::{self, Traces};
@@ -21,6 +20,7 @@ use crate::engine::publish;
 use crate::engine::run::Run;
 use crate::engine::schedule;
 use crate::engine::store::Store;
+use crate::engine::timing::{StageTime, by_stage, recorded};
 use crate::stages::axes::SHIP;
 
 /// Arguments of `encounter run`.
@@ -36,6 +36,10 @@ pub struct RunArgs {
     /// Only say what would run
     #[arg(long)]
     dry_run: bool,
+    /// Print nodes, pieces, seconds of one core, bytes and throughput of each stage: of what ran, or, if nothing had to,
+    /// of when each piece was made
+    #[arg(long, conflicts_with = "dry_run")]
+    profile_time: bool,
 }
 
 /// What a run did, gathered from its events.
@@ -67,13 +71,14 @@ pub fn run(args: &RunArgs) -> Result<()> {
     };
     let outcome = execute(args, &session, &store, &listener).map_err(|error| gc::hint(error, &session.store));
     progress.finish();
-    drop(store);
     let ledger = ledger.into_inner().expect("a listener does not panic");
     let seconds = start.elapsed().as_secs_f64();
+    let times = args.profile_time.then(|| ledger.times(&session, &store, seconds));
+    drop(store);
     if args.common.json {
-        print_json(&ledger.json(seconds));
+        print_json(&ledger.json(seconds, times.as_ref()));
     } else if outcome.is_ok() {
-        ledger.print(&session, seconds);
+        ledger.print(&session, seconds, times.as_ref());
     }
     if outcome.is_ok() && !ledger.ran.is_empty() {
         gc::after_run(&session.store);
@@ -142,7 +147,7 @@ fn keeps_lock(args: &RunArgs) -> bool {
 /// Writes the lock, unless only the compiler's name would change.
 fn write_lock(args: &RunArgs, lock: &Lock) -> Result<()> {
     let path = args.common.lock_file(&args.target)?;
-    let old = fs::read_to_string(&path).ok().and_then(|text| Lock::parse(&text).ok());
+    let old = read_text(&path).ok().and_then(|text| Lock::parse(&text).ok());
     if old.is_some_and(|old| old.says_the_same_as(lock)) {
         return Ok(());
     }
@@ -168,7 +173,26 @@ impl Ledger {
         }
     }
 
-    fn json(&self, seconds: f64) -> serde_json::Value {
+    /// What its pieces took, by stage.
+    fn by_stage(&self, session: &Session) -> Vec<StageTime> {
+        let ran = self.ran.iter();
+        by_stage(
+            &session.graph,
+            ran.map(|(node, _, seconds, bytes)| (&**node, *seconds, *bytes)),
+        )
+    }
+
+    /// The same to be told at length; of the records if nothing ran.
+    fn times(&self, session: &Session, store: &Store, elapsed: f64) -> timing::Times {
+        if self.ran.is_empty() {
+            timing::Times::Recorded(recorded(&session.graph, store))
+        } else {
+            let stages = self.by_stage(session);
+            timing::Times::Ran { stages, elapsed }
+        }
+    }
+
+    fn json(&self, seconds: f64, times: Option<&timing::Times>) -> serde_json::Value {
         let ran: Vec<_> = self
             .ran
             .iter()
@@ -179,14 +203,21 @@ impl Ledger {
             .iter()
             .map(|(path, id, written)| json!({"path": path, "id": id, "written": written}))
             .collect();
-        json!({
+        let mut told = json!({
             "format": 1, "ran": ran, "reused": self.reused, "healed": self.healed, "failed": self.failed,
             "seconds": seconds, "files": files,
-        })
+        });
+        if let Some(times) = times {
+            told["profile_time"] = times.json();
+        }
+        told
     }
 
-    fn print(&self, session: &Session, seconds: f64) {
-        self.print_stages(session);
+    fn print(&self, session: &Session, seconds: f64, times: Option<&timing::Times>) {
+        match times {
+            Some(times) => times.print(),
+            None => self.print_stages(session),
+        }
         for healed in &self.healed {
             say(format_args!("healed  {healed}; made again, equal to its record"));
         }
@@ -202,22 +233,15 @@ impl Ledger {
 
     /// Time, pieces and bytes of each stage that ran, in paper order.
     fn print_stages(&self, session: &Session) {
-        let mut of: BTreeMap<&str, (usize, f64, u64)> = BTreeMap::new();
-        for (node, _, seconds, bytes) in &self.ran {
-            let entry = of.entry(node.split('/').next().unwrap_or(node)).or_default();
-            *entry = (entry.0 + 1, entry.1 + seconds, entry.2 + bytes);
-        }
-        let mut told = Vec::new();
-        for node in &session.graph.nodes {
-            let name = node.node.name();
-            if let Some((pieces, seconds, bytes)) = of.get(name).filter(|_| !told.contains(&name)) {
-                let megabytes = *bytes as f64 / 1e6;
-                say(format_args!(
-                    "{:<12} {name:<22} {pieces:>6} pieces {seconds:>9.2} s {megabytes:>10.2} MB",
-                    node.node.paper()
-                ));
-                told.push(name);
-            }
+        for of in self.by_stage(session) {
+            say(format_args!(
+                "{:<14} {:<22} {:>6} pieces {:>9.2} s {:>10.2} MB",
+                of.paper,
+                of.stage,
+                of.pieces,
+                of.seconds,
+                of.bytes as f64 / 1e6
+            ));
         }
     }
 }

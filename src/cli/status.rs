@@ -48,8 +48,9 @@ pub(super) fn print(common: &Common, session: &Session) -> Result<()> {
         }));
         return Ok(());
     }
-    let longest = nodes.iter().map(|node| node.node.len()).max().unwrap_or(0);
-    words::print(&nodes.iter().map(|node| line(node, longest)).collect::<Vec<_>>());
+    let longest = |of: fn(&NodePlan) -> &str| nodes.iter().map(|node| of(node).chars().count()).max().unwrap_or(0);
+    let widths = (longest(|node| &node.paper), longest(|node| &node.node));
+    words::print(&nodes.iter().map(|node| line(node, widths)).collect::<Vec<_>>());
     for state in [State::Edited, State::Outdated, State::Missing] {
         say_files(state, &files);
     }
@@ -119,7 +120,7 @@ pub(super) fn say_stale(stale: &[String]) {
     }
 }
 
-fn line(node: &NodePlan, longest: usize) -> Line {
+fn line(node: &NodePlan, (paper, name): (usize, usize)) -> Line {
     let state = match (node.will_run, node.may_run) {
         (0, 0) => "cached",
         (0, _) => "may run",
@@ -137,7 +138,7 @@ fn line(node: &NodePlan, longest: usize) -> Line {
         (pieces, running) => format!("  {running} of {pieces} pieces"),
     };
     Line {
-        left: format!("{:<8} {:<longest$}  {state:<8}{pieces}", node.paper, node.node),
+        left: format!("{:<paper$}  {:<name$}  {state:<8}{pieces}", node.paper, node.node),
         right: if running == 0 {
             String::new()
         } else {

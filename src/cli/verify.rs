@@ -18,6 +18,7 @@ use crate::cli::{Common, Session, on_request, print_json, same_bits, say};
 use crate::engine::audit::{Audit, Finding, audit};
 use crate::engine::code;
 use crate::engine::difference::grouped;
+use crate::engine::disk::read_text;
 use crate::engine::error::{Error, Result};
 use crate::engine::event::Event;
 use crate::engine::lock::{Line, Lock};
@@ -91,7 +92,7 @@ pub fn verify(args: &VerifyArgs) -> Result<()> {
 }
 
 fn read_lock(path: &Path) -> Result<Lock> {
-    let text = fs::read_to_string(path).map_err(|source| Error::Io {
+    let text = read_text(path).map_err(|source| Error::Io {
         action: "read",
         path: path.to_owned(),
         source,

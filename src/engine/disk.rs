@@ -2,7 +2,7 @@
 //! them, or take a file system's locks away. Tested in `tests/reliability`.
 
 use std::fs::{self, File, OpenOptions, TryLockError};
-use std::io;
+use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
@@ -65,15 +65,24 @@ pub trait Disk: Send + Sync {
 /// # Errors
 /// The operating system's; `InvalidData` for what is no regular file, or is too long.
 pub(crate) fn read_regular(path: &Path) -> io::Result<Vec<u8>> {
-    let found = fs::metadata(path)?;
-    let refuse = |why: String| Err(io::Error::new(io::ErrorKind::InvalidData, why));
-    if !found.is_file() {
-        return refuse("it is no regular file".to_owned());
-    }
-    if found.len() > LONGEST_FILE {
-        return refuse(format!("its {} bytes are more than an object may have", found.len()));
+    let length = regular(path)?;
+    if length > LONGEST_FILE {
+        let why = format!("its {length} bytes are more than an object may have");
+        return Err(io::Error::new(io::ErrorKind::InvalidData, why));
     }
     fs::read(path)
+}
+
+/// The length of a regular file.
+///
+/// # Errors
+/// The operating system's; `InvalidData` for what is no regular file: to open a pipe is to wait for its other end.
+pub(crate) fn regular(path: &Path) -> io::Result<u64> {
+    let found = fs::metadata(path)?;
+    if found.is_file() {
+        return Ok(found.len());
+    }
+    Err(io::Error::new(io::ErrorKind::InvalidData, "it is no regular file"))
 }
 
 /// The same as text.
@@ -82,6 +91,20 @@ pub(crate) fn read_regular(path: &Path) -> io::Result<Vec<u8>> {
 /// Those of [`read_regular`]; bytes that are no text.
 pub(crate) fn read_text(path: &Path) -> io::Result<String> {
     String::from_utf8(read_regular(path)?).map_err(|why| io::Error::new(io::ErrorKind::InvalidData, why))
+}
+
+/// The text of a file that need not be a regular one (a shell hands over a pipe for `<(command)`), as long as it ends.
+///
+/// # Errors
+/// The operating system's; `InvalidData` for bytes that are no text or too many.
+pub(crate) fn read_stream(path: &Path) -> io::Result<String> {
+    let mut text = String::new();
+    File::open(path)?.take(LONGEST_TEXT + 1).read_to_string(&mut text)?;
+    if text.len() as u64 > LONGEST_TEXT {
+        let why = format!("more than {LONGEST_TEXT} bytes");
+        return Err(io::Error::new(io::ErrorKind::InvalidData, why));
+    }
+    Ok(text)
 }
 
 /// A file that was found in a folder.
@@ -122,6 +145,9 @@ pub(crate) fn files_in(folder: &Path) -> Result<Vec<Listed>> {
 /// Bytes of the longest file that belongs to a store.
 const LONGEST_FILE: u64 = LIMIT as u64 + 64;
 
+/// Bytes of the longest text that a reader writes.
+const LONGEST_TEXT: u64 = 16 << 20;
+
 /// The operating system's own.
 pub struct System;
 
@@ -151,8 +177,10 @@ impl Disk for System {
     }
 
     fn open_lock(&self, path: &Path, existing: bool) -> io::Result<File> {
-        if existing {
-            return File::open(path);
+        match regular(path) {
+            Err(why) if why.kind() == io::ErrorKind::InvalidData => return Err(why),
+            _ if existing => return File::open(path),
+            _ => {}
         }
         OpenOptions::new().write(true).create(true).truncate(false).open(path)
     }

@@ -4,11 +4,12 @@
 //! their records with the index, the lock with the committed one. Whatever differs, the run goes the long way.
 //! Tested in `tests/cache/index.rs`.
 
-use std::fs::{self, File};
+use std::fs::File;
 use std::io::{self, Read};
 use std::path::Path;
 
 use crate::engine::case::Axis;
+use crate::engine::disk::{read_text, regular};
 use crate::engine::event::Event;
 use crate::engine::index::{Belief, Index};
 use crate::engine::lock::Lock;
@@ -76,7 +77,7 @@ fn lock_of(run: &Run<'_>, traces: &Traces<'_>) -> Option<Lock> {
     let profile = traces.lock.map_or("", |(_, profile)| profile);
     let lock = Lock::of(run, profile, "", &texts).ok()?;
     if let Some((path, _)) = traces.lock {
-        let committed = Lock::parse(&fs::read_to_string(path).ok()?).ok()?;
+        let committed = Lock::parse(&read_text(path).ok()?).ok()?;
         if !committed.says_the_same_as(&lock) {
             return None;
         }
@@ -86,6 +87,7 @@ fn lock_of(run: &Run<'_>, traces: &Traces<'_>) -> Option<Lock> {
 
 /// Whether a file holds a text and nothing else; read in small steps, since fresh memory costs more than comparing.
 fn holds(path: &Path, text: &str) -> io::Result<bool> {
+    regular(path)?;
     let mut file = File::open(path)?;
     let mut rest = text.as_bytes();
     let mut buffer = [0; 1 << 14];

@@ -24,6 +24,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::{SystemTime, UNIX_EPOCH};
 
+use crate::engine::disk::read_regular;
 use crate::engine::error::Result;
 use crate::engine::history::record_file;
 use crate::engine::id::{Id, Key};
@@ -87,7 +88,7 @@ pub enum Belief {
 impl Index {
     /// The index of a store.
     pub fn read(root: &Path) -> Self {
-        fs::read(file(root)).ok().and_then(Self::parse).unwrap_or_default()
+        read_regular(&file(root)).ok().and_then(Self::parse).unwrap_or_default()
     }
 
     fn parse(mut bytes: Vec<u8>) -> Option<Self> {

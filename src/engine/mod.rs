@@ -51,7 +51,7 @@
 //! Order of reading: `stage`, `arrow`, `node`; `case`, `params`, `pipeline`, `graph`; `key`, `code`, `run`, `schedule`,
 //! `queue`; `store`, `disk`, `flight`, `object`, `record`, `parts`, `finite`, `index`, `idle`; `lock`, `verify`, `audit`,
 //! `rebuild`, `difference`, `publish`, `runs`, `gc`; `plan`, `history`, `compare`, `explain`, `why`; `revision`, `versions`;
-//! `chart`; `stop`. What the command line names is in `target`, how parameter tables are laid over each other in `layers`.
+//! `chart`; `timing`; `stop`. What the command line names is in `target`, how parameter tables are laid over each other in `layers`.
 
 pub mod arrow;
 pub mod audit;
@@ -104,6 +104,7 @@ pub mod stop;
 pub mod store;
 pub mod streams;
 pub mod target;
+pub mod timing;
 mod tree;
 mod twice;
 pub mod verify;

@@ -11,6 +11,7 @@ use toml::{Table, Value};
 
 use crate::engine::case::{Axis, Case};
 use crate::engine::decode::Fault;
+use crate::engine::disk::read_stream;
 use crate::engine::error::{Error, Result};
 use crate::engine::layers::{Lines, collect_leaves, merge, note_origins};
 
@@ -33,7 +34,7 @@ impl ParamsFile {
         let mut params = Self::default();
         for file in files {
             let name = file.display().to_string();
-            let text = std::fs::read_to_string(file).map_err(|why| {
+            let text = read_stream(file).map_err(|why| {
                 Error::Usage(format!(
                     "{name}: expected a readable parameter file in TOML, found: {why}"
                 ))

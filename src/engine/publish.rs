@@ -12,7 +12,7 @@ use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
 use crate::engine::case::Axis;
-use crate::engine::disk::read_text;
+use crate::engine::disk::{read_regular, read_text};
 use crate::engine::error::{Error, Result};
 use crate::engine::event::Event;
 use crate::engine::gc;
@@ -83,7 +83,7 @@ pub fn publish(run: &Run<'_>, texts: &BTreeMap<String, String>, folder: &Path) -
 }
 
 fn set_aside(run: &Run<'_>, name: &str, path: &Path) -> Result<()> {
-    let bytes = fs::read(path).map_err(Error::io("read the figure", path))?;
+    let bytes = read_regular(path).map_err(Error::io("read the figure", path))?;
     let hash = blake3::hash(&bytes).to_hex();
     let (stem, extension) = name.rsplit_once('.').unwrap_or((name, ""));
     let kept = run.store.root().join("edited");
@@ -166,7 +166,7 @@ impl Ours {
 
     /// How a file stands; `text` is what a run would write, if that is known.
     pub fn state(&self, path: &Path, text: Option<&str>) -> State {
-        let bytes = match fs::read(path) {
+        let bytes = match read_regular(path) {
             Ok(bytes) => bytes,
             Err(why) if why.kind() == ErrorKind::NotFound => return State::Missing,
             // What cannot be read may be somebody's work: it is not written over.

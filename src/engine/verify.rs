@@ -4,10 +4,10 @@
 //! parameters. A run from nothing is compared in `rebuild`, the store itself in `audit`. Tested in
 //! `tests/cache/{locks,verify}.rs`.
 
-use std::fs;
 use std::path::Path;
 
 use crate::engine::code;
+use crate::engine::disk::read_regular;
 use crate::engine::graph::Graph;
 use crate::engine::id::Id;
 use crate::engine::key::KEY_SCHEMA;
@@ -163,7 +163,7 @@ fn file_difference(figures: &Path, path: &str, content: &Id) -> Option<String> {
     if !path.split('/').all(plain) {
         return Some(format!("file {path}: no path within the figures folder"));
     }
-    match fs::read(figures.join(path)) {
+    match read_regular(&figures.join(path)) {
         Err(why) => Some(format!("file {path}: {why}")),
         Ok(bytes) if blake3::hash(&bytes).as_bytes() != &content.0 => {
             Some(format!("file {path}: its bytes are not those of the lock"))

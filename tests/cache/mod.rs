@@ -14,5 +14,6 @@ mod pieces;
 mod plan;
 mod seeds;
 mod store;
+mod timing;
 mod verify;
 mod why;

@@ -210,3 +210,74 @@ fn a_lock_that_would_move_the_readers_cursor_is_refused_by_line() {
         said.stderr
     );
 }
+
+/// Puts a pipe that nobody writes to where a file is.
+fn pipe(path: &Path) {
+    let _ = fs::remove_file(path);
+    let made = Command::new("mkfifo").arg(path).status();
+    assert!(made.expect("mkfifo runs").success());
+}
+
+/// What a verb says within a minute; one that waits for a pipe's other end says nothing.
+#[track_caller]
+fn told_in_time(program: &Program, arguments: &[&str]) -> (i32, String) {
+    let mut child = program.start(arguments);
+    for _ in 0..600 {
+        if child.try_wait().expect("a process can be asked").is_some() {
+            let output = child.wait_with_output().expect("the process can be waited for");
+            let told = String::from_utf8_lossy(&output.stderr).into_owned();
+            return (output.status.code().expect("nobody kills it"), told);
+        }
+        sleep(Duration::from_millis(100));
+    }
+    child.kill().expect("a process can be killed");
+    panic!("{arguments:?} waits");
+}
+
+#[test]
+fn a_pipe_where_a_file_should_be_is_not_waited_for() {
+    let program = Program::new("tiny");
+    let run = small(&["run", "truth"]);
+    assert_eq!(program.call(&run).code, 0);
+    // What only makes runs faster or explains them is written anew.
+    for name in ["index", "published", "runs/99999.json"] {
+        pipe(&program.path("store").join(name));
+        assert_eq!(told_in_time(&program, &run), (0, String::new()), "{name}");
+    }
+    let figure = program.path("store/figures/custom/truth.csv");
+    pipe(&figure);
+    let (code, told) = told_in_time(&program, &run);
+    assert_eq!(code, 5, "{told}");
+    assert!(told.contains("truth.csv: it is no regular file"), "{told}");
+    fs::remove_file(&figure).expect("a pipe can be deleted");
+    pipe(&program.path("store/tiny.lock"));
+    assert_eq!(told_in_time(&program, &["verify", "--lock"]).0, 5);
+    pipe(&program.path("store/store.lock"));
+    let (code, told) = told_in_time(&program, &run);
+    assert_eq!(code, 5, "{told}");
+    assert!(told.contains("store.lock: it is no regular file"), "{told}");
+}
+
+#[test]
+fn an_overlay_may_come_from_a_pipe_but_not_without_end() {
+    let program = Program::new("tiny");
+    let (code, told) = told_in_time(&program, &["status", "--overlay", "/dev/zero"]);
+    assert_eq!(code, 2, "{told}");
+    assert!(told.contains("found: more than 16777216 bytes"), "{told}");
+    let overlay = program.path("overlay");
+    pipe(&overlay);
+    std::thread::scope(|scope| {
+        scope.spawn(|| fs::write(&overlay, "[sea.S1]\nbandwidth = 0.05\n"));
+        let said = program.call(&["status", "--overlay", &overlay.display().to_string()]);
+        assert_eq!(said.code, 0, "{}", said.stderr);
+    });
+}
+
+#[test]
+fn the_columns_of_the_plan_stand_below_each_other() {
+    let said = Program::new("tiny").call(&["status"]);
+    let state = |line: &str| line.find("  will run").map(|bytes| line[..bytes].chars().count());
+    let places: BTreeSet<usize> = said.stdout.lines().filter_map(state).collect();
+    let count = said.stdout.matches("  will run").count();
+    assert_eq!((places.len(), count > 100), (1, true), "{}", said.stdout);
+}
