@@ -95,7 +95,7 @@ sub { line-height: 0; }
   body { max-width: none; padding: 0; font-size: 10pt; }
   nav { display: none; }
   h2, h3, h4, h4 + p { break-after: avoid; }
-  figure, tr { break-inside: avoid; }
+  figure, tr, #table1 table { break-inside: avoid; }
   figure img { max-height: 19cm; width: auto; }
   .scroll, figure a { overflow: visible; }
   table { font-size: 7.5pt; }
