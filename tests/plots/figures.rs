@@ -198,8 +198,8 @@ fn figure_4_shows_every_method_at_every_shape() {
     let green = svg::stroked(&drawn, "#0A823E");
     assert_eq!(
         green,
-        2 * 3 * (1 + 3) + 1,
-        "a line and three rings in each of six panels, and the legend's line"
+        2 * 3 * (1 + 3 + 3) + 1,
+        "a line, three bars and three rings in each of six panels, and the legend's line"
     );
 }
 
