@@ -235,9 +235,12 @@ fn lines(sheet: &mut Sheet, panel: &Panel, study: &Study, of: impl Fn(&Detection
     Ok(())
 }
 
+/// A line with its look.
+type Drawn = (Stroke, Vec<(f64, f64)>);
+
 /// Each similarity threshold's share of groups over that of the reference, and its share of time over that of the roll; with
 /// the look of each.
-fn compared(study: &Study, reference: usize) -> Result<Vec<(Stroke, Vec<(f64, f64)>)>, Error> {
+fn compared(study: &Study, reference: usize) -> Result<Vec<Drawn>, Error> {
     let mut found = Vec::new();
     let Some(reference) = study.detections.get(reference) else {
         return Ok(found);

@@ -15,18 +15,14 @@ pub fn written(measured: Option<Measured>) -> String {
     let Some(Measured { value, standard_error }) = measured else {
         return "–".to_owned();
     };
-    match standard_error.filter(|error| *error > 0.0) {
-        Some(error) => {
-            let digits = i32::from(leading(error) < 3.5);
-            let place = exponent(error) - digits;
-            format!("{} ± {}", rounded(value, place), rounded(error, place))
-        }
-        None => {
-            let text = rounded(value, exponent(value) - 2);
-            let trimmed = text.trim_end_matches('0').trim_end_matches('.');
-            if text.contains('.') { trimmed } else { &text }.to_owned()
-        }
+    if let Some(error) = standard_error.filter(|error| *error > 0.0) {
+        let digits = i32::from(leading(error) < 3.5);
+        let place = exponent(error) - digits;
+        return format!("{} ± {}", rounded(value, place), rounded(error, place));
     }
+    let text = rounded(value, exponent(value) - 2);
+    let trimmed = text.trim_end_matches('0').trim_end_matches('.');
+    if text.contains('.') { trimmed } else { &text }.to_owned()
 }
 
 /// The power of ten of a number's first digit; 0 for 0.
