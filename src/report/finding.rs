@@ -4,7 +4,7 @@
 //! |---|---|---|
 //! | above, below a bound | on its side by more than two standard errors | on the other side by more than two |
 //! | at most a bound | at most the bound | above it by more than two |
-//! | near the paper's value | misses the range about it by no more than two | misses it by more |
+//! | near the paper's value | within a share of it and two of the paper's own errors | outside, by more than two of both |
 //!
 //! Between the two a number is open: it can not be told. Tested in `tests/report/finding.rs`.
 
@@ -20,7 +20,7 @@ pub enum Expectation {
     Below(f64),
     /// At most a bound.
     AtMost(f64),
-    /// The paper's value, give or take a share of it and the standard errors of both.
+    /// The paper's value, give or take a share of it and two of its standard errors.
     Near {
         /// The paper's value.
         wanted: f64,
@@ -74,8 +74,8 @@ impl Expectation {
                 error: theirs,
             } => {
                 let both = (error * error + theirs * theirs).sqrt();
-                let holds = (value - wanted).abs() <= share * wanted.abs() + 2.0 * both;
-                of(holds, false)
+                let (miss, range) = ((value - wanted).abs(), share * wanted.abs());
+                of(miss <= range + 2.0 * theirs, miss <= range + 2.0 * both)
             }
         }
     }

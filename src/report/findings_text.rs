@@ -66,10 +66,10 @@ pub fn markdown(findings: &[Finding], printed: &str, reading: &str) -> String {
         text,
         "Each claim of the paper as a number, for *{printed}*, the ship with the coefficients as printed, and for *{reading}*, a \
          labelled reading that is not the authors'. ± is one standard error. A number *holds* an expectation of more or less \
-         (>, <) if it is on that side by more than two standard errors, one of agreement (within) unless it misses by more than \
-         two, the paper's own included, and a bound (at most) if it keeps it; it *fails* if it misses by more than two, and \
-         leaves the claim *open* in between. The seas share their random phases. Computed from fig3_exceedance.csv, \
-         fig4_response_moments.csv, fig7_temporal.csv and table1.csv of each ship; numbers by verdict:\n"
+         (>, <) if it is on that side by more than two standard errors, a bound (at most) if it keeps it, and one of agreement \
+         (within) if it is in the range, widened by two of the paper's own standard errors; it *fails* if it misses by more than \
+         two standard errors, and leaves the claim *open* in between. The seas share their random phases. Computed from \
+         fig3_exceedance.csv, fig4_response_moments.csv, fig7_temporal.csv and table1.csv of each ship; numbers by verdict:\n"
     );
     for verdict in Verdict::ALL {
         let count = findings.iter().filter(|finding| finding.verdict == verdict).count();

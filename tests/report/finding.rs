@@ -49,15 +49,17 @@ fn two_standard_errors_on_the_wrong_side_fail_and_on_the_right_side_hold() {
 
 #[test]
 fn the_papers_number_has_a_standard_error_of_its_own() {
+    use Outcome::{Fails, Holds, Open};
     let near = |error: f64| Expectation::Near {
         wanted: 1.0,
         share: 0.05,
         error,
     };
-    let holds = |error: f64, value: f64| near(error).outcome(number(value, 0.03)) == Outcome::Holds;
-    assert!(holds(0.0, 1.10) && !holds(0.0, 1.12) && holds(0.0, 0.90) && !holds(0.0, 0.88));
-    // .03 and .04 make .05.
-    assert!(holds(0.04, 1.14) && !holds(0.04, 1.16));
+    let says = |error: f64, values: [f64; 3]| values.map(|value| near(error).outcome(number(value, 0.03)));
+    assert_eq!(says(0.0, [1.04, 1.10, 1.12]), [Holds, Open, Fails]);
+    assert_eq!(says(0.0, [0.96, 0.90, 0.88]), [Holds, Open, Fails]);
+    // Two of its errors widen the range; .03 and .04 make .05.
+    assert_eq!(says(0.04, [1.12, 1.14, 1.16]), [Holds, Open, Fails]);
     assert_eq!(near(0.04).words(), "1.00 ± 0.04 within 5 %");
     assert_eq!(near(0.0).words(), "1 within 5 %");
 }
