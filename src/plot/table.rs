@@ -147,7 +147,7 @@ fn cells(row: &Row) -> [String; 11] {
 /// The sentence below the table.
 fn caption(table: &Table) -> String {
     format!(
-        "Ship {}, epsilon_1 = {}; mean (standard deviation in % of the mean) of {} realisations with {} samples each; \
+        "Ship {}, epsilon_1 = {} m⁻¹ s⁻²; mean (standard deviation in % of the mean) of {} realisations with {} samples each; \
          P_true ± standard error. The rows share their random phases: they are correlated.",
         table.ship, table.epsilon_1, table.realisations, table.samples
     )

@@ -286,8 +286,8 @@ fn table(text: &mut String, rows: &[&str]) {
             .replace("\\|", "\u{e000}");
         let cell = |cell: &str| {
             let cell = cell.trim();
-            // Numbers and short names stay on one line.
-            let whole = if cell.chars().count() < 18 {
+            // Numbers with their errors and short names stay on one line.
+            let whole = if cell.contains('±') || cell.chars().count() < 18 {
                 " class=\"whole\""
             } else {
                 ""
