@@ -86,51 +86,104 @@ pub fn doctor(args: &DoctorArgs) -> Result<()> {
             "minutes": minutes, "store": found, "problems": problems,
         }));
     } else {
-        say(format_args!(
-            "cores    {cores}, {}; {:.1} times the reference machine's time for the self-test",
-            level.name(),
-            pace
-        ));
-        say(format_args!(
-            "memory   {}; {} needs {}",
-            gib(memory),
-            args.common.profile.name(),
-            gib(Some(wanted.memory))
-        ));
-        say(format_args!(
-            "disk     {}; a whole store needs {}",
-            gib(disk),
-            gib(Some(wanted.disk))
-        ));
-        say(format_args!(
-            "work     {} of {pieces} pieces left, about {}",
+        let seen = Seen {
+            profile: args.common.profile.name(),
+            cpu: format!("{cores} cores, {}", level.name()),
+            same_bits: bits.is_ok(),
+            pace,
+            memory,
+            disk,
+            wanted: &wanted,
+            whole: wanted.core_seconds * pace / cores as f64 / 60.0,
+            pieces,
             left,
-            span(minutes)
-        ));
-        match &found {
-            Some(found) => say(format_args!(
-                "store    {} objects, {:.1} MB, {} damaged, {} missing",
-                found.objects,
-                found.bytes as f64 / 1e6,
-                found.damaged.len(),
-                found.missing.len()
-            )),
-            None => say(format_args!("store    none yet at {}", session.store.display())),
-        }
-        for problem in &problems {
-            say(format_args!("problem  {problem}"));
-        }
-        if problems.is_empty() {
-            say(format_args!(
-                "all is well: `encounter run --profile {}`",
-                args.common.profile.name()
-            ));
-        }
+            minutes,
+        };
+        seen.tell();
+        tell_store(&session.store, found.as_ref());
+        tell_problems(&problems, args.common.profile.name());
     }
     if problems.is_empty() {
         Ok(())
     } else {
         Err(Error::Difference(problems.join("\n")))
+    }
+}
+
+/// What was found, for a terminal.
+struct Seen<'a> {
+    profile: &'a str,
+    cpu: String,
+    same_bits: bool,
+    pace: f64,
+    memory: Option<u64>,
+    disk: Option<u64>,
+    wanted: &'a Reference,
+    /// Minutes of a run from nothing.
+    whole: f64,
+    pieces: usize,
+    left: usize,
+    /// Minutes of what is left.
+    minutes: f64,
+}
+
+impl Seen<'_> {
+    fn tell(&self) {
+        let bits = if self.same_bits {
+            "the committed bits"
+        } else {
+            "OTHER BITS"
+        };
+        say(format_args!(
+            "cpu      {}; the self-test gives {bits}, in {:.1} times the reference machine's time",
+            self.cpu, self.pace
+        ));
+        let (memory, disk) = (gib(self.memory), gib(self.disk));
+        let (needs, store) = (gib(Some(self.wanted.memory)), gib(Some(self.wanted.disk)));
+        say(format_args!(
+            "memory   {memory} free; profile {} needs {needs}",
+            self.profile
+        ));
+        say(format_args!("disk     {disk} free; a whole store needs {store}"));
+        say(format_args!(
+            "time     about {} for all {} pieces from nothing",
+            span(self.whole),
+            self.pieces
+        ));
+        if self.left == 0 {
+            say(format_args!("left     nothing: every piece is in the store"));
+        } else {
+            say(format_args!(
+                "left     {} pieces, about {}",
+                self.left,
+                span(self.minutes)
+            ));
+        }
+    }
+}
+
+fn tell_store(store: &Path, found: Option<&Audit>) {
+    match found {
+        Some(found) => say(format_args!(
+            "store    {}: {} objects, {:.1} MB, {} damaged, {} missing",
+            store.display(),
+            found.objects,
+            found.bytes as f64 / 1e6,
+            found.damaged.len(),
+            found.missing.len()
+        )),
+        None => say(format_args!("store    none yet at {}", store.display())),
+    }
+}
+
+fn tell_problems(problems: &[String], profile: &str) {
+    for problem in problems {
+        say(format_args!("problem  {problem}"));
+    }
+    if problems.is_empty() {
+        say(format_args!(
+            "all is well: `encounter run --profile {profile}` makes everything, `encounter verify --lock --profile {profile}` compares it"
+        ));
     }
 }
 

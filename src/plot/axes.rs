@@ -87,6 +87,49 @@ impl Axis {
         Axis::linear(0.0, step * (largest / step).ceil(), count, label)
     }
 
+    /// A linear axis over the finite `values` with a tick at each of them, written as short as it can be, and room beside the
+    /// ends, so that no mark stands on the frame.
+    pub fn at_values(values: impl Iterator<Item = f64>, label: &str) -> Axis {
+        let mut values: Vec<f64> = values.filter(|value| value.is_finite()).collect();
+        values.sort_by(f64::total_cmp);
+        values.dedup();
+        let (low, high) = match (values.first(), values.last()) {
+            (Some(low), Some(high)) => (*low, *high),
+            _ => (0.0, 1.0),
+        };
+        let span = if high > low { high - low } else { high.abs() + 1e-3 };
+        let tick = |at: f64| Tick {
+            at,
+            label: if at < 0.0 {
+                format!("−{}", -at)
+            } else {
+                at.to_string()
+            },
+        };
+        Axis {
+            low: low - 0.07 * span,
+            high: high + 0.07 * span,
+            scale: Scale::Linear,
+            ticks: values.into_iter().map(tick).collect(),
+            label: label.to_owned(),
+            labelled: true,
+        }
+    }
+
+    /// A linear axis around the finite `values`, its ends at ticks; from zero unless all lie far from it.
+    pub fn around(values: impl Iterator<Item = f64>, count: u32, label: &str) -> Axis {
+        let values: Vec<f64> = values.filter(|value| value.is_finite()).collect();
+        let low = values.iter().copied().fold(f64::INFINITY, f64::min);
+        let high = values.iter().copied().fold(0.0, f64::max);
+        if !(low > 0.4 * high && high > low) {
+            return Axis::from_zero(values.into_iter(), count, label);
+        }
+        let room = 0.08 * (high - low);
+        let (step, _) = round_step(high - low + 2.0 * room, count);
+        let (low, high) = (((low - room) / step).floor(), ((high + room) / step).ceil());
+        Axis::linear(step * low, step * high, count, label)
+    }
+
     /// A logarithmic axis over whole decades, labelled 10ⁿ.
     pub fn decades(low: i32, high: i32, label: &str) -> Axis {
         let high = if high > low { high } else { low + 1 };

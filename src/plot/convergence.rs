@@ -5,15 +5,18 @@
 //! | P_est | `mean`, `std` | 1 | over the realisations |
 //! | P_true | `p_true` | 1 | from the long record |
 //!
-//! The shade is the paper's one-sided standard deviation: from the mean to the mean plus one standard deviation; for the
-//! three methods that the paper does not have a dashed line in its place, for the floor a dotted one. Tested in `tests/plots/figures.rs`.
+//! (a) is the paper's figure; the shade is its one-sided standard deviation, from the mean to the mean plus one standard
+//! deviation. (b) is ours: the root-mean-square error over P_true, which counts the bias too, of every method, and the floor.
+//! Tested in `tests/plots/figures.rs`.
+
+use plotters::style::RGBColor;
 
 use super::axes::Axis;
 use super::csv;
 use super::legend::{Entry, Sample, strip, strip_height};
 use super::panel::Panel;
 use super::shapes::Stroke;
-use super::svg::Sheet;
+use super::svg::{PLAIN, Sheet, Type, shorten};
 use super::{Error, same_length, style};
 
 /// One method's estimates over the number of samples.
@@ -57,9 +60,11 @@ pub struct Convergence {
 }
 
 /// Width of the sheet, px.
-const WIDTH: f64 = 700.0;
+const WIDTH: f64 = 960.0;
+/// Left borders of the panels, px.
+const LEFTS: [f64; 2] = [66.0, 546.0];
 /// Upper edge of the legend, px.
-const LEGEND: f64 = 404.0;
+const LEGEND: f64 = 366.0;
 /// Opacity of the shades.
 const SHADE: f64 = 0.22;
 /// The dashes of the truth.
@@ -68,19 +73,40 @@ const TRUTH: Stroke = Stroke {
     width: 1.4,
     dash: &[5.0, 3.0],
 };
-
-/// The dashes of a mean plus standard deviation that has no shade.
-const UPPER: Stroke = Stroke {
-    colour: style::GREEN,
-    width: 1.0,
-    dash: &[6.0, 3.0],
-};
 /// The dots of the floor.
 const FLOOR: Stroke = Stroke {
     colour: style::BLACK,
-    width: 1.2,
+    width: 1.3,
     dash: &[1.5, 3.0],
 };
+/// VHGP-Seq.
+const SEQUENTIAL: Stroke = solid(style::BLUE);
+/// Random sampling.
+const RANDOM: Stroke = solid(style::ORANGE);
+/// The design that looks ahead.
+const BEST: Stroke = Stroke {
+    dash: &[7.0, 2.0, 1.5, 2.0],
+    ..solid(style::TEAL)
+};
+/// The design that looks ahead, with a control.
+const CONTROL: Stroke = Stroke {
+    dash: &[6.0, 2.5],
+    ..solid(style::PURPLE)
+};
+/// The Latin hypercube.
+const HYPERCUBE: Stroke = Stroke {
+    dash: &[2.5, 2.0],
+    ..solid(style::RED)
+};
+
+/// A line without dashes.
+const fn solid(colour: RGBColor) -> Stroke {
+    Stroke {
+        colour,
+        width: style::LINE,
+        dash: &[],
+    }
+}
 
 impl Convergence {
     /// Every method's estimates.
@@ -97,10 +123,26 @@ impl Convergence {
         sizes.map(|n| (*n, p_true * floor / n.sqrt())).collect()
     }
 
-    /// The truth plus the floor.
-    fn floor_line(&self) -> Vec<(f64, f64)> {
-        let above = self.floor_deviations().into_iter();
-        above.map(|(n, std)| (n, self.p_true.unwrap_or(0.0) + std)).collect()
+    /// The floor's standard deviation over the truth, %.
+    fn floor_errors(&self) -> Vec<(f64, f64)> {
+        let p_true = self.p_true.unwrap_or(0.0);
+        let all = self.floor_deviations().into_iter();
+        all.map(|(n, std)| (n, 100.0 * std / p_true)).collect()
+    }
+
+    /// The lines of (b): every method's errors with its look, in the order in which they are drawn.
+    fn errors(&self) -> Vec<(Vec<(f64, f64)>, Stroke)> {
+        let Some(p_true) = self.p_true.filter(|p_true| *p_true > 0.0) else {
+            return Vec::new();
+        };
+        vec![
+            (self.floor_errors(), FLOOR),
+            (self.lhs.errors(p_true), HYPERCUBE),
+            (self.best.errors(p_true), BEST),
+            (self.control.errors(p_true), CONTROL),
+            (self.random.errors(p_true), RANDOM),
+            (self.sequential.errors(p_true), SEQUENTIAL),
+        ]
     }
 }
 
@@ -116,6 +158,14 @@ impl Estimates {
         let shade = all.map(|((n, mean), std)| (*n, *mean, mean + std));
         shade
             .filter(|(n, mean, upper)| n.is_finite() && mean.is_finite() && upper.is_finite())
+            .collect()
+    }
+
+    /// The points (n, root-mean-square error over the truth in %).
+    fn errors(&self, p_true: f64) -> Vec<(f64, f64)> {
+        let all = self.n_samples.iter().zip(&self.mean).zip(&self.std);
+        let square = |mean: f64, std: f64| (mean - p_true) * (mean - p_true) + std * std;
+        all.map(|((n, mean), std)| (*n, 100.0 * square(*mean, *std).sqrt() / p_true))
             .collect()
     }
 
@@ -136,62 +186,97 @@ pub fn draw(figure: &Convergence) -> Result<String, Error> {
         estimates.check()?;
     }
     let mut sheet = Sheet::new(WIDTH, LEGEND + strip_height(&legend(), WIDTH - 20.0) + 8.0);
-    let both = [(&figure.random, style::ORANGE), (&figure.sequential, style::BLUE)];
-    let others = [
-        (&figure.lhs, style::GREY),
-        (&figure.best, style::GREEN),
-        (&figure.control, style::RED),
-    ];
-    let panel = Panel {
-        left: 70.0,
-        top: 34.0,
-        width: 590.0,
-        height: 330.0,
-        x: samples_axis(&figure.all()),
-        y: estimate_axis(figure),
+    let look = Type {
+        size: style::LABEL_SIZE,
+        colour: style::GREY,
+        ..PLAIN
     };
-    panel.frame(&mut sheet)?;
-    let title = format!(
-        "{}, ship {}: *θ*_{{t}} = {} rad, *ε*_{{1}} = {}, {} realisations",
-        figure.spectrum, figure.ship, figure.theta_t, figure.epsilon_1, figure.realisations
+    let whose = format!(
+        "ship: {}, sea: {}, *θ*_{{t}} = {} rad, *ε*_{{1}} = {} {}, {} realisations",
+        figure.ship,
+        figure.spectrum,
+        figure.theta_t,
+        figure.epsilon_1,
+        style::EPSILON_UNIT,
+        figure.realisations
     );
-    panel.title(&mut sheet, "", &title);
-    for (estimates, colour) in both {
-        panel.band(&mut sheet, &estimates.shade(), colour, SHADE)?;
-    }
-    if let Some(p_true) = figure.p_true {
-        let ends = [(unlog(&panel, 0.0), p_true), (unlog(&panel, 1.0), p_true)];
-        panel.line(&mut sheet, &ends, TRUTH)?;
-    }
-    for (estimates, colour) in others {
-        let tops: Vec<(f64, f64)> = estimates.shade().iter().map(|(n, _, upper)| (*n, *upper)).collect();
-        panel.line(&mut sheet, &tops, Stroke { colour, ..UPPER })?;
-    }
-    panel.line(&mut sheet, &figure.floor_line(), FLOOR)?;
-    for (estimates, colour) in others.into_iter().chain(both) {
-        panel.line(
-            &mut sheet,
-            &estimates.means(),
-            Stroke {
-                colour,
-                width: style::LINE,
-                dash: &[],
-            },
-        )?;
-        if estimates.mean.len() == 1 {
-            panel.dots(&mut sheet, &estimates.means(), style::DOT, colour)?;
-        }
-    }
+    let room = WIDTH - LEFTS[0] - 16.0;
+    sheet.text(LEFTS[0], 18.0, look, &shorten(&whose, look.size, room));
+    estimates_panel(&mut sheet, figure)?;
+    errors_panel(&mut sheet, figure)?;
     strip(&mut sheet, WIDTH / 2.0, LEGEND, WIDTH - 20.0, &legend())?;
     let what = format!(
-        "Ship: {}. Sea: {}, threshold {} rad, epsilon_1 {}. Estimated group exceeding probability against the number of \
-         samples (logarithmic axis): VHGP-Seq blue, random sampling orange, look-ahead design green, the same with a control red, \
-         Latin hypercube with the same surrogate grey; line: mean over {} realisations; shade or dashed line: the one-sided standard \
-         deviation, from the mean to the mean plus one standard deviation. Black dashed: truth; black dotted: the least \
-         standard deviation of what sees length and amplitude alone, above it.",
+        "Ship: {}. Sea: {}, threshold {} rad, epsilon_1 {}. (a) Estimated group exceeding probability against the number of \
+         samples (logarithmic axis): VHGP-Seq blue, random sampling orange; line: mean over {} realisations; shade: the one-sided \
+         standard deviation, from the mean to the mean plus one standard deviation; black dashed: truth. (b) Root-mean-square \
+         error over the truth in per cent, both axes logarithmic: the same two, the look-ahead design teal dash-dotted, the same \
+         with a control purple dashed, VHGP-Seq's surrogate on a Latin hypercube red, short dashes; black dotted: the least of what \
+         sees length and amplitude alone.",
         figure.ship, figure.spectrum, figure.theta_t, figure.epsilon_1, figure.realisations
     );
     Ok(sheet.finish("Figure 5: convergence of VHGP-Seq and of random sampling", &what))
+}
+
+/// A panel of the figure.
+fn panel(place: usize, x: Axis, y: Axis) -> Panel {
+    Panel {
+        left: LEFTS[place],
+        top: 56.0,
+        width: 390.0,
+        height: 264.0,
+        x,
+        y,
+    }
+}
+
+/// (a): means and shades of the paper's two methods, and the truth.
+fn estimates_panel(sheet: &mut Sheet, figure: &Convergence) -> Result<(), Error> {
+    let panel = panel(
+        0,
+        samples_axis(&[&figure.sequential, &figure.random]),
+        estimate_axis(figure),
+    );
+    panel.frame(sheet)?;
+    panel.title(sheet, "(a)", "estimate of the probability");
+    let both = [(&figure.random, RANDOM), (&figure.sequential, SEQUENTIAL)];
+    for (estimates, look) in both {
+        panel.band(sheet, &estimates.shade(), look.colour, SHADE)?;
+    }
+    for (estimates, look) in both {
+        panel.line(sheet, &estimates.means(), look)?;
+        if estimates.mean.len() == 1 {
+            panel.dots(sheet, &estimates.means(), style::DOT, look.colour)?;
+        }
+    }
+    if let Some(p_true) = figure.p_true {
+        let ends = [(unlog(&panel, 0.0), p_true), (unlog(&panel, 1.0), p_true)];
+        panel.line(sheet, &ends, TRUTH)?;
+    }
+    Ok(())
+}
+
+/// (b): the relative error of every method.
+fn errors_panel(sheet: &mut Sheet, figure: &Convergence) -> Result<(), Error> {
+    let lines = figure.errors();
+    let panel = panel(1, samples_axis(&figure.all()), error_axis(&lines));
+    panel.frame(sheet)?;
+    panel.title(sheet, "(b)", "error of the estimate, bias and spread");
+    for (points, look) in lines {
+        panel.line(sheet, &points, look)?;
+    }
+    Ok(())
+}
+
+/// Errors from a little below the smallest to a little above the largest, 1 to 1000 % at most.
+fn error_axis(lines: &[(Vec<(f64, f64)>, Stroke)]) -> Axis {
+    let (mut low, mut high) = (30.0, 30.0);
+    for (_, error) in lines.iter().flat_map(|(points, _)| points) {
+        low = if *error < low { *error } else { low };
+        high = if *error > high { *error } else { high };
+    }
+    let low = if low > 1.0 { low } else { 1.0 };
+    let high = if high < 1000.0 { high } else { 1000.0 };
+    Axis::counts(low / 1.2, high * 1.2, "rms error / *P*_{true} (%)")
 }
 
 /// The number of samples at a fraction of the axis.
@@ -219,7 +304,9 @@ fn samples_axis(all: &[&Estimates]) -> Axis {
 
 /// Estimates from zero over the largest mean plus standard deviation, but not over five times the truth.
 fn estimate_axis(figure: &Convergence) -> Axis {
-    let shades = figure.all().into_iter().flat_map(Estimates::shade);
+    let shades = [&figure.sequential, &figure.random]
+        .into_iter()
+        .flat_map(Estimates::shade);
     let bound = figure.p_true.map_or(f64::INFINITY, |p_true| 5.0 * p_true);
     let tops = shades.map(|(_, _, upper)| if bound > 0.0 && upper > bound { bound } else { upper });
     Axis::from_zero(tops.chain(figure.p_true), 6, "*P*_{est}(*r* > *θ*_{t})")
@@ -227,34 +314,20 @@ fn estimate_axis(figure: &Convergence) -> Axis {
 
 /// The lines' and shades' names.
 fn legend() -> Vec<Entry> {
-    let line = |colour, name: &str| Entry {
-        sample: Sample::Line(Stroke {
-            colour,
-            width: style::LINE,
-            dash: &[],
-        }),
-        name: name.to_owned(),
-    };
-    let shade = |colour, name: &str| Entry {
-        sample: Sample::Patch(colour, SHADE),
+    let entry = |sample, name: &str| Entry {
+        sample,
         name: name.to_owned(),
     };
     vec![
-        line(style::BLUE, "VHGP-Seq, mean"),
-        shade(style::BLUE, "VHGP-Seq, mean + std. deviation"),
-        line(style::ORANGE, "random sampling, mean"),
-        shade(style::ORANGE, "random, mean + std. deviation"),
-        line(style::GREEN, "look-ahead (dashed: + std. deviation)"),
-        line(style::RED, "look-ahead with control (dashed alike)"),
-        line(style::GREY, "Latin hypercube (dashed: + std. dev.)"),
-        Entry {
-            sample: Sample::Line(FLOOR),
-            name: "*P*_{true} + least std. dev. from (L, A)".to_owned(),
-        },
-        Entry {
-            sample: Sample::Line(TRUTH),
-            name: "*P*_{true}".to_owned(),
-        },
+        entry(Sample::Line(SEQUENTIAL), "VHGP-Seq, mean"),
+        entry(Sample::Patch(style::BLUE, SHADE), "VHGP-Seq + std. deviation"),
+        entry(Sample::Line(RANDOM), "random sampling, mean"),
+        entry(Sample::Patch(style::ORANGE, SHADE), "random + std. deviation"),
+        entry(Sample::Line(TRUTH), "*P*_{true}"),
+        entry(Sample::Line(BEST), "look-ahead"),
+        entry(Sample::Line(CONTROL), "look-ahead with control"),
+        entry(Sample::Line(HYPERCUBE), "Latin hypercube"),
+        entry(Sample::Line(FLOOR), "least of what sees (*L*, *A*) alone"),
     ]
 }
 

@@ -119,7 +119,7 @@ fn description(figure: &Exceedance) -> String {
     format!(
         "Ship: {}. One row per sea: {}. First column: joint density of group length and amplitude, over its maximum. Other \
          columns: probability that the largest roll in a group exceeds the threshold, on a decimal logarithmic axis, one \
-         column per epsilon_1. Black dots with bars of one standard error: truth. Green dash-dotted: CIC. Orange: PIC. Blue: \
+         column per epsilon_1. Black dots with bars of one standard error, at some of the thresholds: truth. Green dash-dotted: CIC. Orange: PIC. Blue: \
          NIC in the record's waves. Blue dashed: NIC in reconstructed groups. Zero probabilities are not drawn. The seas \
          share their random phases.",
         figure.ship,
@@ -168,7 +168,7 @@ fn heads(sheet: &mut Sheet, figure: &Exceedance) {
     sheet.text(DENSITY_LEFT + DENSITY_WIDTH / 2.0, y, look, "joint density");
     let Some(row) = figure.rows.first() else { return };
     for (j, cell) in row.cells.iter().enumerate() {
-        let head = format!("*ε*_{{1}} = {}", cell.epsilon_1);
+        let head = format!("*ε*_{{1}} = {} {}", cell.epsilon_1, style::EPSILON_UNIT);
         sheet.text(LEFT + COLUMN * j as f64 + WIDTH / 2.0, y, look, &head);
     }
 }
@@ -337,9 +337,15 @@ fn draw_cell(sheet: &mut Sheet, panel: &Panel, cell: &Cell) -> Result<(), Error>
             dash: &[],
         };
         panel.bars(sheet, &error_bars(curve), look)?;
-        panel.dots(sheet, &points(curve), style::DOT, style::BLACK)?;
+        let dots: Vec<(f64, f64)> = points(curve).into_iter().step_by(dotted(curve)).collect();
+        panel.dots(sheet, &dots, style::DOT, style::BLACK)?;
     }
     Ok(())
+}
+
+/// One threshold in how many carries a dot: dots that touch would hide the line that they stand upon.
+fn dotted(curve: &Curve) -> usize {
+    1 + curve.theta_t.len() / 40
 }
 
 /// The points (θ_t, P).
@@ -352,27 +358,22 @@ fn points(curve: &Curve) -> Vec<(f64, f64)> {
         .collect()
 }
 
-/// One standard error on either side of every positive probability.
+/// One standard error on either side of every positive probability that carries a dot.
 fn error_bars(curve: &Curve) -> Vec<(f64, f64, f64)> {
     let points = curve.theta_t.iter().zip(&curve.probability).zip(&curve.standard_error);
     points
+        .step_by(dotted(curve))
         .filter(|((_, p), _)| **p > 0.0)
         .map(|((theta_t, p), e)| (*theta_t, p - e, p + e))
         .collect()
 }
 
+/// The columns of the data.
+#[rustfmt::skip]
+const HEADER: [&str; 8] = ["ship", "spectrum", "epsilon_1", "theta_t", "method", "probability", "standard_error", "n"];
+
 /// The data of Figure 3, columns as in the contract of published files.
 pub fn csv(figures: &[&Exceedance]) -> String {
-    let header = [
-        "ship",
-        "spectrum",
-        "epsilon_1",
-        "theta_t",
-        "method",
-        "probability",
-        "standard_error",
-        "n",
-    ];
     let mut rows = Vec::new();
     for figure in figures {
         for row in &figure.rows {
@@ -394,5 +395,5 @@ pub fn csv(figures: &[&Exceedance]) -> String {
             }
         }
     }
-    csv::write(header, rows)
+    csv::write(HEADER, rows)
 }

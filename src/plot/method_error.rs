@@ -56,7 +56,7 @@ const HEIGHT: f64 = 128.0;
 /// Left border of the first panel, px.
 const LEFT: f64 = 62.0;
 /// Distance of columns, px.
-const COLUMN: f64 = 284.0;
+const COLUMN: f64 = 290.0;
 /// Upper border of the first row, px.
 const TOP: f64 = 74.0;
 /// Distance of rows, px.
@@ -147,8 +147,8 @@ pub fn draw(figure: &MethodError) -> Result<String, Error> {
     strip(&mut sheet, width / 2.0, foot, width - 20.0, &legend)?;
     let what = format!(
         "Ship: {}. One row per sea, one column per epsilon_1: probability of each method over that of the truth against the \
-         threshold, on a decimal logarithmic axis. Grey band: two standard errors of the truth. Green dash-dotted: CIC. \
-         Orange: PIC. Blue: NIC in the record's waves. Blue dashed: NIC in reconstructed groups.",
+         threshold, on a decimal logarithmic axis; what lies beyond a factor of ten is not drawn. Grey band: two standard errors \
+         of the truth and of an estimate from as many groups as the methods run on, together. Green dash-dotted: CIC. Orange: PIC. Blue: NIC in the record's waves. Blue dashed: NIC in reconstructed groups.",
         figure.ship
     );
     Ok(sheet.finish("Figure 8: error of each method", &what))
@@ -161,12 +161,12 @@ fn legend() -> Vec<Entry> {
         .into();
     entries.push(Entry {
         sample: Sample::Patch(style::BLACK, BAND),
-        name: "*P*_{true} ± 2 standard errors".to_owned(),
+        name: "± 2 standard errors of truth and method".to_owned(),
     });
     entries
 }
 
-/// Opacity of the truth's band.
+/// Opacity of the band.
 const BAND: f64 = 0.18;
 
 /// The ship's name and the columns' heads.
@@ -191,7 +191,7 @@ fn heads(sheet: &mut Sheet, figure: &MethodError) {
     };
     let Some(row) = figure.rows.first() else { return };
     for (j, cell) in row.cells.iter().enumerate() {
-        let head = format!("*ε*_{{1}} = {}", cell.epsilon_1);
+        let head = format!("*ε*_{{1}} = {} {}", cell.epsilon_1, style::EPSILON_UNIT);
         sheet.text(LEFT + COLUMN * j as f64 + WIDTH / 2.0, 42.0, look, &head);
     }
 }
@@ -207,14 +207,17 @@ fn threshold_axis(figure: &MethodError) -> Axis {
     Axis::linear(0.0, largest, 6, "threshold *θ*_{t} (rad)")
 }
 
-/// The truth's band, the line where a method is right, and the methods.
+/// The band, the line where a method is right, and the methods.
 fn draw_cell(sheet: &mut Sheet, panel: &Panel, cell: &Cell) -> Result<(), Error> {
+    let sampled = cell.curves.iter().filter(|curve| curve.method != Method::Truth);
+    let n = sampled.map(|curve| curve.n).max().unwrap_or(0) as f64;
     for truth in cell.curves.iter().filter(|curve| curve.method == Method::Truth) {
         let known = truth.theta_t.iter().zip(&truth.probability).zip(&truth.standard_error);
         let band: Vec<(f64, f64, f64)> = known
             .filter(|((_, p), _)| **p > 0.0)
             .map(|((theta_t, p), error)| {
-                let part = 2.0 * error / p;
+                let chance = if n > 0.0 && *p < 1.0 { p * (1.0 - p) / n } else { 0.0 };
+                let part = 2.0 * (error * error + chance).sqrt() / p;
                 // A band that reaches zero ends at the frame.
                 (*theta_t, if part < 0.99 { 1.0 - part } else { 0.01 }, 1.0 + part)
             })

@@ -84,7 +84,7 @@ pub fn draw(figure: &ResponseMoments) -> Result<String, Error> {
     sheet.text(LEFT, 18.0, look, &shorten(&whose, look.size, width - LEFT - 16.0));
     let x = epsilon_axis(figure);
     let all = || figure.shapes.iter().flat_map(|shape| &shape.moments);
-    let means = Axis::from_zero(all().flat_map(|m| m.mean.iter().copied()), 5, "mean of *R* (rad)");
+    let means = Axis::around(all().flat_map(|m| m.mean.iter().copied()), 5, "mean of *R* (rad)");
     let stds = Axis::from_zero(all().flat_map(|m| m.std.iter().copied()), 5, "std. dev. of *R* (rad)");
     for (j, shape) in figure.shapes.iter().enumerate() {
         let left = LEFT + COLUMN * j as f64;
@@ -113,14 +113,15 @@ pub fn draw(figure: &ResponseMoments) -> Result<String, Error> {
         ];
         upper.title(&mut sheet, &format!("({})", letters[0]), &shape_title(shape));
         lower.title(&mut sheet, &format!("({})", letters[1]), "");
-        draw_moments(&mut sheet, &upper, shape, |moments| &moments.mean)?;
-        draw_moments(&mut sheet, &lower, shape, |moments| &moments.std)?;
+        // The standard errors of a mean and of a standard deviation, of normal numbers.
+        draw_moments(&mut sheet, &upper, shape, |moments| &moments.mean, 1.0)?;
+        draw_moments(&mut sheet, &lower, shape, |moments| &moments.std, 2.0)?;
     }
     strip(&mut sheet, width / 2.0, 434.0, width - 20.0, &legend)?;
     let what = format!(
         "Ship: {}. Sea: {}. Mean (upper row) and standard deviation (lower row) of the largest roll in groups of a given \
          length and amplitude against epsilon_1, one column per shape. Black dots: truth. Green dash-dotted: CIC. Orange: \
-         PIC. Blue: NIC.",
+         PIC. Blue: NIC. Bars of one standard error, most of them hidden by their marks.",
         figure.ship, figure.spectrum
     );
     Ok(sheet.finish("Figure 4: mean and standard deviation of the response", &what))
@@ -131,7 +132,7 @@ fn shape_title(shape: &Shape) -> String {
     let count = if shape.groups == 1 {
         "1 group".to_owned()
     } else {
-        format!("{} groups", shape.groups)
+        format!("{} groups", thousands(shape.groups))
     };
     format!(
         "*L*/*T*_{{p}} = {}, *A*/*H*_{{s}} = {} ({count})",
@@ -139,18 +140,21 @@ fn shape_title(shape: &Shape) -> String {
     )
 }
 
-/// ε₁ with room on both sides, so that no mark stands on the frame.
+/// A number of groups with its thousands parted.
+fn thousands(count: u64) -> String {
+    let digits = count.to_string();
+    let parted = |(i, c): (usize, char)| {
+        let comma = i > 0 && (digits.len() - i).is_multiple_of(3);
+        if comma { vec![',', c] } else { vec![c] }
+    };
+    digits.chars().enumerate().flat_map(parted).collect()
+}
+
+/// A tick at every ε₁.
 fn epsilon_axis(figure: &ResponseMoments) -> Axis {
-    let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
-    for moments in figure.shapes.iter().flat_map(|shape| &shape.moments) {
-        for &epsilon_1 in moments.epsilon_1.iter().filter(|epsilon_1| epsilon_1.is_finite()) {
-            low = if epsilon_1 < low { epsilon_1 } else { low };
-            high = if epsilon_1 > high { epsilon_1 } else { high };
-        }
-    }
-    let (low, high) = if low <= high { (low, high) } else { (0.0, 1.0) };
-    let span = if high > low { high - low } else { high.abs() + 1e-3 };
-    Axis::linear(low - 0.07 * span, high + 0.07 * span, 5, "*ε*_{1} (m^{−1} s^{−2})")
+    let all = figure.shapes.iter().flat_map(|shape| &shape.moments);
+    let values = all.flat_map(|moments| moments.epsilon_1.iter().copied());
+    Axis::at_values(values, &format!("*ε*_{{1}} ({})", style::EPSILON_UNIT))
 }
 
 /// Draws one moment by every method, the truth's dots last.
@@ -159,7 +163,14 @@ fn draw_moments(
     panel: &Panel,
     shape: &Shape,
     moment: impl Fn(&Moments) -> &Vec<f64>,
+    halved: f64,
 ) -> Result<(), Error> {
+    let bars = |moments: &Moments| -> Vec<(f64, f64, f64)> {
+        let values = moments.epsilon_1.iter().zip(moment(moments));
+        let spreads = moments.std.iter().zip(&moments.n).filter(|(_, n)| **n > 1);
+        let errors = spreads.map(|(std, n)| std / (halved * *n as f64).sqrt());
+        values.zip(errors).map(|((x, y), e)| (*x, y - e, y + e)).collect()
+    };
     let points = |moments: &Moments| -> Vec<(f64, f64)> {
         moments
             .epsilon_1
@@ -176,10 +187,22 @@ fn draw_moments(
                 dash: wanted.dash(),
             };
             panel.line(sheet, &points(moments), look)?;
+            let bar = Stroke {
+                width: 1.0,
+                dash: &[],
+                ..look
+            };
+            panel.bars(sheet, &bars(moments), bar)?;
             panel.rings(sheet, &points(moments), 3.4, Stroke { width: 1.4, ..look })?;
         }
     }
     for moments in shape.moments.iter().filter(|moments| moments.method == Method::Truth) {
+        let bar = Stroke {
+            colour: style::BLACK,
+            width: 0.8,
+            dash: &[],
+        };
+        panel.bars(sheet, &bars(moments), bar)?;
         panel.dots(sheet, &points(moments), 2.3, style::BLACK)?;
     }
     Ok(())

@@ -1,4 +1,4 @@
-//! The one look of every figure: colours, line widths, dashes, font sizes, margins.
+//! The one look of every figure: colours, line widths, dashes, font sizes, units.
 //!
 //! Colours follow the paper (PIC orange, NIC blue, CIC green, truth black, envelope red), darkened where a thin line on
 //! white would fade; every method also has its own dash or mark, so that no figure depends on telling colours apart.
@@ -24,6 +24,8 @@ pub const FINE_LINE: f64 = 0.9;
 pub const FRAME_LINE: f64 = 0.8;
 /// Width of grid lines, px.
 pub const GRID_LINE: f64 = 0.6;
+/// The unit of epsilon_1, marked up.
+pub const EPSILON_UNIT: &str = "m^{−1} s^{−2}";
 /// Radius of a dot of the truth, px.
 pub const DOT: f64 = 1.9;
 

@@ -147,7 +147,7 @@ fn cells(row: &Row) -> [String; 11] {
 /// The sentence below the table.
 fn caption(table: &Table) -> String {
     format!(
-        "Ship {}, epsilon_1 = {}; mean (standard deviation in % of the mean) of {} realisations with {} samples each; \
+        "Ship {}, epsilon_1 = {} m⁻¹ s⁻²; mean (standard deviation in % of the mean) of {} realisations with {} samples each; \
          P_true ± standard error. The rows share their random phases: they are correlated.",
         table.ship, table.epsilon_1, table.realisations, table.samples
     )
@@ -198,9 +198,10 @@ pub fn svg(table: &Table) -> Result<String, Error> {
         ..PLAIN
     };
     let first = format!(
-        "Ship {}, *ε*_{{1}} = {}; mean (standard deviation in % of the mean) of {} realisations with {} samples each; *P*_{{true}} ± standard error.",
+        "Ship {}, *ε*_{{1}} = {} {}; mean (standard deviation in % of the mean) of {} realisations with {} samples each; *P*_{{true}} ± standard error.",
         shorten(&table.ship, look.size, 150.0),
         table.epsilon_1,
+        style::EPSILON_UNIT,
         table.realisations,
         table.samples
     );
@@ -209,7 +210,8 @@ pub fn svg(table: &Table) -> Result<String, Error> {
         22.0,
         foot + 39.0,
         look,
-        "Grey: the paper's values. The rows share their random phases: they are correlated.",
+        "Grey: the paper's values. The rows share their random phases: they are correlated. Not in the paper: a design that looks \
+         ahead, the same with a control, and VHGP-Seq's surrogate on a Latin hypercube.",
     );
     let what = format!(
         "{} Columns: sea, threshold in rad, and ours beside the paper's for the truth, VHGP-Seq and \

@@ -21,7 +21,8 @@ pub(super) fn errors(table: &Table) -> String {
         let error = |known: Option<Estimate>| match known.zip(row.p_true) {
             Some((Estimate { mean, std }, p)) if p > 0.0 => {
                 let (bias, std) = (100.0 * (mean / p - 1.0), 100.0 * std / p);
-                format!("{bias:+.1}, {std:.1}, {:.1}", (bias * bias + std * std).sqrt())
+                let text = format!("{bias:+.1}, {std:.1}, {:.1}", (bias * bias + std * std).sqrt());
+                text.replace('-', "−")
             }
             _ => NOTHING.to_owned(),
         };

@@ -115,10 +115,11 @@ pub fn draw(figure: &Temporal) -> Result<String, Error> {
         ..PLAIN
     };
     let whose = format!(
-        "ship: {}, sea: {}, *ε*_{{1}} = {}, {} fields",
+        "ship: {}, sea: {}, *ε*_{{1}} = {} {}, {} fields",
         figure.ship,
         figure.spectrum,
         drawn.map_or(0.0, |study| study.epsilon_1),
+        style::EPSILON_UNIT,
         figure.fields
     );
     sheet.text(
@@ -132,11 +133,7 @@ pub fn draw(figure: &Temporal) -> Result<String, Error> {
     let panels = [
         ("(a)", "by groups", decades("*P*(*r* > *θ*_{t})")),
         ("(b)", "by time", decades("share of time |*θ*| > *θ*_{t}")),
-        (
-            "(c)",
-            "thick: groups, thin: time",
-            Axis::linear(0.4, 1.6, 7, "relative to the reference"),
-        ),
+        ("(c)", "thick: groups, thin: time", ratio_axis(drawn, figure.reference)?),
     ];
     for ((letter, title, y), left) in panels.into_iter().zip(LEFTS) {
         let panel = Panel {
@@ -156,7 +153,11 @@ pub fn draw(figure: &Temporal) -> Result<String, Error> {
                 lines(&mut sheet, &panel, study, |detection| &detection.within_groups)?;
                 panel.dots(&mut sheet, &points(&study.by_time)?, style::DOT, style::BLACK)?;
             }
-            _ => changes(&mut sheet, &panel, study, figure.reference)?,
+            _ => {
+                for (look, points) in compared(study, figure.reference)? {
+                    panel.line(&mut sheet, &points, look)?;
+                }
+            }
         }
     }
     strip(&mut sheet, width / 2.0, TOP + HEIGHT + 44.0, width - 20.0, &legend)?;
@@ -206,6 +207,26 @@ fn threshold_axis(study: Option<&Study>) -> Axis {
     Axis::linear(0.0, largest, 6, "threshold *θ*_{t} (rad)")
 }
 
+/// Ratios from the fifth below the smallest to the fifth above the largest, four at most.
+fn ratio_axis(study: Option<&Study>, reference: usize) -> Result<Axis, Error> {
+    let (mut low, mut high) = (0.8, 1.2);
+    if let Some(study) = study {
+        for (_, points) in compared(study, reference)? {
+            for (_, ratio) in points {
+                low = if ratio < low { ratio } else { low };
+                high = if ratio > high { ratio } else { high };
+            }
+        }
+    }
+    let high = if high < 4.0 { high } else { 4.0 };
+    Ok(Axis::linear(
+        (5.0 * low).floor() / 5.0,
+        (5.0 * high).ceil() / 5.0,
+        7,
+        "relative to the reference",
+    ))
+}
+
 /// One line per similarity threshold.
 fn lines(sheet: &mut Sheet, panel: &Panel, study: &Study, of: impl Fn(&Detection) -> &Line) -> Result<(), Error> {
     for (i, detection) in study.detections.iter().enumerate() {
@@ -214,20 +235,25 @@ fn lines(sheet: &mut Sheet, panel: &Panel, study: &Study, of: impl Fn(&Detection
     Ok(())
 }
 
-/// Each similarity threshold's share of groups over that of the reference, and its share of time over that of the roll.
-fn changes(sheet: &mut Sheet, panel: &Panel, study: &Study, reference: usize) -> Result<(), Error> {
+/// A line with its look.
+type Drawn = (Stroke, Vec<(f64, f64)>);
+
+/// Each similarity threshold's share of groups over that of the reference, and its share of time over that of the roll; with
+/// the look of each.
+fn compared(study: &Study, reference: usize) -> Result<Vec<Drawn>, Error> {
+    let mut found = Vec::new();
     let Some(reference) = study.detections.get(reference) else {
-        return Ok(());
+        return Ok(found);
     };
     for (i, detection) in study.detections.iter().enumerate() {
-        panel.line(sheet, &ratio(&detection.by_groups, &reference.by_groups)?, look(i))?;
+        found.push((look(i), ratio(&detection.by_groups, &reference.by_groups)?));
         let thin = Stroke {
             width: style::FINE_LINE,
             ..look(i)
         };
-        panel.line(sheet, &ratio(&detection.within_groups, &study.by_time)?, thin)?;
+        found.push((thin, ratio(&detection.within_groups, &study.by_time)?));
     }
-    Ok(())
+    Ok(found)
 }
 
 /// A line over another, where the other is known to a quarter of its value.

@@ -210,10 +210,10 @@ pub fn draw(figure: &WaveGroups) -> Result<String, Error> {
     Ok(sheet.finish("Figure 1: wave groups", &what))
 }
 
-/// The axes of every joint density: L/T_p from 0 to 5, A/H_s from 0 to 1.2.
+/// The axes of every joint density: L/T_p from 0 to 6, A/H_s from 0 to 1.2.
 pub fn density_axes() -> (Axis, Axis) {
     (
-        Axis::linear(0.0, 5.0, 5, "*L* / *T*_{p}"),
+        Axis::linear(0.0, 6.0, 6, "*L* / *T*_{p}"),
         Axis::linear(0.0, 1.2, 6, "*A* / *H*_{s}"),
     )
 }

@@ -29,8 +29,10 @@ pub struct Settings {
     pub far: f64,
     /// "Hardly distinguishable" on a logarithmic axis: at most so many decades apart.
     pub decades: f64,
-    /// Thresholds count where P_true is known to this share of its value.
+    /// Thresholds count where P_true, and the ratio of an estimate to it, is known to this share of its value.
     pub known: f64,
+    /// Realisations behind the paper's means and standard deviations in Table 1.
+    pub realisations: u32,
 }
 
 /// Every claim, with the numbers of one ship.
@@ -40,7 +42,7 @@ pub fn claims(evidence: &Evidence, settings: &Settings) -> Vec<Claim> {
     all.extend(precomputed(evidence));
     all.extend(natural(evidence, settings));
     all.extend(claims_sampling::moments(evidence, settings));
-    all.extend(claims_sampling::sampling(evidence));
+    all.extend(claims_sampling::sampling(evidence, settings));
     all.extend(claims_sampling::detection(evidence, settings));
     all.extend(claims_sampling::table(evidence, settings));
     all
@@ -87,22 +89,26 @@ pub(super) fn largest(numbers: impl Iterator<Item = Measured>) -> Option<Measure
     })
 }
 
+/// The smallest of some numbers.
+pub(super) fn smallest(numbers: impl Iterator<Item = Measured>) -> Option<Measured> {
+    numbers.reduce(|least, next| if next.value < least.value { next } else { least })
+}
+
 /// F1.
 fn growth(evidence: &Evidence) -> Vec<Claim> {
     let epsilons = evidence.epsilons();
     let per_sea = |sea: &&str| {
-        let grown = || {
-            let (first, last) = (epsilons.first()?, epsilons.last()?);
+        let step = |pair: &[&str]| {
             let theta_t = evidence.theta_t(sea)?;
             let at = |epsilon_1: &str| evidence.probability("truth", sea, epsilon_1, theta_t);
-            ratio(at(last)?, at(first)?)
+            ratio(at(pair[1])?, at(pair[0])?)
         };
         claim(
             format!("F1-{sea}"),
             "P_true grows with epsilon_1",
-            "P_true at the largest epsilon_1 over that at 0, at Table 1's threshold",
+            "smallest ratio of P_true from one epsilon_1 to the next, at Table 1's threshold",
             Expectation::Above(1.0),
-            grown(),
+            smallest(epsilons.windows(2).filter_map(step)),
         )
     };
     evidence.seas().iter().map(per_sea).collect()
@@ -110,6 +116,7 @@ fn growth(evidence: &Evidence) -> Vec<Claim> {
 
 /// F2.
 fn constant(evidence: &Evidence, settings: &Settings) -> Vec<Claim> {
+    let known = 100.0 * settings.known;
     let per_sea = |sea: &&str| {
         let at_last = |epsilon_1: &&str| {
             let theta_t = evidence.last_known(sea, epsilon_1, settings.known)?;
@@ -119,7 +126,9 @@ fn constant(evidence: &Evidence, settings: &Settings) -> Vec<Claim> {
         claim(
             format!("F2-{sea}"),
             "CIC lies far below P_true at large thresholds",
-            "largest P_CIC / P_true over epsilon_1, each at the last threshold where P_true is known",
+            &format!(
+                "largest P_CIC / P_true over epsilon_1, each at the last threshold where P_true is known to {known} %"
+            ),
             Expectation::AtMost(settings.far),
             largest(evidence.epsilons().iter().filter_map(at_last)),
         )
@@ -129,63 +138,66 @@ fn constant(evidence: &Evidence, settings: &Settings) -> Vec<Claim> {
 
 /// F3.
 fn precomputed(evidence: &Evidence) -> Vec<Claim> {
-    let epsilons = evidence.epsilons();
+    let (seas, epsilons) = (evidence.seas(), evidence.epsilons());
     let pic = |sea: &str, epsilon_1: Option<&&str>| at_table(evidence, "pic", sea, epsilon_1?);
-    let mut claims = Vec::new();
-    for sea in evidence.seas() {
-        let (first, last) = (pic(sea, epsilons.first()), pic(sea, epsilons.last()));
-        claims.push(claim(
+    let over = |sea: &&str| {
+        claim(
             format!("F3a-{sea}"),
             "PIC overestimates at small epsilon_1",
             "P_PIC / P_true at the smallest epsilon_1, at Table 1's threshold",
             Expectation::Above(1.0),
-            first,
-        ));
-        let nearer = first.zip(last).map(|(first, last)| {
-            let (first, last) = (decades(first), decades(last));
-            let error = |known: Measured| known.standard_error.unwrap_or(0.0);
-            let spread = error(first) * error(first) + error(last) * error(last);
-            Measured {
-                value: first.value - last.value,
-                standard_error: Some(spread.sqrt()),
-            }
-        });
-        claims.push(claim(
+            pic(sea, epsilons.first()),
+        )
+    };
+    let nearer = |sea: &&str| {
+        claim(
             format!("F3b-{sea}"),
             "PIC improves with epsilon_1",
-            "decades by which PIC comes nearer to P_true from the smallest epsilon_1 to the largest",
-            Expectation::Above(0.0),
-            nearer,
-        ));
-    }
-    let (mut better, mut all) = (0.0, 0.0);
-    for sea in evidence.seas() {
-        for epsilon_1 in &epsilons {
-            let methods = [
-                at_table(evidence, "pic", sea, epsilon_1),
-                at_table(evidence, "cic", sea, epsilon_1),
-            ];
-            if let [Some(pic), Some(cic)] = methods {
-                all += 1.0;
-                better += if decades(pic).value < decades(cic).value {
-                    1.0
-                } else {
-                    0.0
-                };
-            }
-        }
-    }
+            "distance of PIC from P_true in decades at the largest epsilon_1 less that at the smallest, at Table 1's threshold",
+            Expectation::Below(0.0),
+            pic(sea, epsilons.last())
+                .zip(pic(sea, epsilons.first()))
+                .map(|(last, first)| difference(decades(last), decades(first))),
+        )
+    };
+    let mut claims: Vec<Claim> = seas.iter().map(over).collect();
+    claims.extend(seas.iter().map(nearer));
     claims.push(claim(
         "F3c".to_owned(),
         "PIC is better than CIC in most cases",
         "share of seas and epsilon_1 in which PIC is nearer to P_true, at Table 1's thresholds",
         Expectation::Above(0.5),
-        (all > 0.0).then_some(Measured {
-            value: better / all,
-            standard_error: None,
-        }),
+        share_of_better(evidence),
     ));
     claims
+}
+
+/// A difference of two numbers taken for independent.
+pub(super) fn difference(a: Measured, b: Measured) -> Measured {
+    let error = |known: Measured| known.standard_error.unwrap_or(0.0);
+    let spread = error(a) * error(a) + error(b) * error(b);
+    Measured {
+        value: a.value - b.value,
+        standard_error: Some(spread.sqrt()),
+    }
+}
+
+/// The share of seas and epsilon_1 in which PIC is nearer to P_true than CIC.
+fn share_of_better(evidence: &Evidence) -> Option<Measured> {
+    let (mut better, mut all) = (0.0, 0.0);
+    for sea in evidence.seas() {
+        for epsilon_1 in evidence.epsilons() {
+            let distance = |method: &str| at_table(evidence, method, sea, epsilon_1).map(decades);
+            if let Some((pic, cic)) = distance("pic").zip(distance("cic")) {
+                all += 1.0;
+                better += if pic.value < cic.value { 1.0 } else { 0.0 };
+            }
+        }
+    }
+    (all > 0.0).then_some(Measured {
+        value: better / all,
+        standard_error: None,
+    })
 }
 
 /// F4 and F5.
@@ -198,22 +210,24 @@ fn natural(evidence: &Evidence, settings: &Settings) -> Vec<Claim> {
         let distance = |row: Row<'_>| {
             let p = row.measured("probability", "standard_error")?;
             let truth = evidence.probability("truth", sea, row.word("epsilon_1"), row.word("theta_t"))?;
-            let known = truth
-                .standard_error
-                .is_some_and(|error| error < settings.known * truth.value);
-            // Nothing where the truth has something is as far as can be told: a decade below its standard error.
-            let p = if p.value > 0.0 {
-                p
-            } else {
-                Measured {
-                    value: 0.1 * truth.standard_error?,
-                    ..p
-                }
+            let known = |number: Measured| {
+                number
+                    .standard_error
+                    .is_some_and(|error| error < settings.known * number.value)
             };
-            known.then(|| ratio(p, truth)).flatten().map(decades)
+            if !known(truth) {
+                return None;
+            }
+            // Nothing where the truth has something is as far as can be told: a decade below its standard error.
+            if p.value > 0.0 {
+                return ratio(p, truth).filter(|ratio| known(*ratio)).map(decades);
+            }
+            let value = 0.1 * truth.standard_error?;
+            ratio(Measured { value, ..p }, truth).map(decades)
         };
         largest(rows.filter_map(distance))
     };
+    let known = 100.0 * settings.known;
     let mut claims = Vec::new();
     for (id, method, says) in [
         (
@@ -231,7 +245,10 @@ fn natural(evidence: &Evidence, settings: &Settings) -> Vec<Claim> {
             claims.push(claim(
                 format!("{id}-{sea}"),
                 says,
-                "largest distance of NIC from P_true, decades, over epsilon_1 and the thresholds where P_true is known",
+                &format!(
+                    "largest distance of NIC from P_true in decades, over epsilon_1 and the thresholds where their ratio is \
+                     known to {known} %"
+                ),
                 Expectation::AtMost(settings.decades),
                 furthest(method, sea),
             ));

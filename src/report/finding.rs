@@ -1,36 +1,82 @@
-//! The verdict on a claim: what is expected of a number, whether two ships' numbers hold it, and the tables that say so.
+//! The verdict on a claim: what is expected of a number, what two ships' numbers say to it, and which verdict that makes.
 //!
-//! A number holds an expectation unless it misses it by more than two of its standard errors; a range expected about the
-//! paper's own value is as wide as `Settings::agreement` says. Tested in `tests/report/finding.rs`.
-
-use std::fmt::Write;
+//! | expected | holds | fails |
+//! |---|---|---|
+//! | above, below a bound | on its side by more than two standard errors | on the other side by more than two |
+//! | at most a bound | at most the bound | above it by more than two |
+//! | near the paper's value | within a share of it and two of the paper's own errors | outside, by more than two of both |
+//!
+//! Between the two a number is open: it can not be told. Tested in `tests/report/finding.rs`.
 
 use super::evidence::Measured;
-use crate::plot::csv::{self, Cell};
+use super::findings_text::written;
 
 /// What is expected of a number.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Expectation {
-    /// Above a bound, by more than two standard errors.
+    /// Above a bound.
     Above(f64),
-    /// Below a bound, by more than two standard errors.
+    /// Below a bound.
     Below(f64),
-    /// At most a bound, within two standard errors.
+    /// At most a bound.
     AtMost(f64),
-    /// The paper's value, give or take a share of it and two standard errors.
-    Near(f64, f64),
+    /// The paper's value, give or take a share of it and two of its standard errors.
+    Near {
+        /// The paper's value.
+        wanted: f64,
+        /// The share of it that does not count as a difference.
+        share: f64,
+        /// Its own standard error; 0 if it has none to speak of.
+        error: f64,
+    },
+}
+
+/// What a number says to an expectation.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Outcome {
+    /// The expectation is met.
+    Holds,
+    /// It is missed, by more than two standard errors.
+    Fails,
+    /// Two standard errors leave it open.
+    Open,
+}
+
+impl Outcome {
+    /// The outcome in a word.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Holds => "holds",
+            Self::Fails => "fails",
+            Self::Open => "open",
+        }
+    }
 }
 
 impl Expectation {
-    /// Whether a number meets the expectation.
-    pub fn holds(self, measured: Measured) -> bool {
+    /// What a number says.
+    pub fn outcome(self, measured: Measured) -> Outcome {
         let Measured { value, standard_error } = measured;
-        let slack = 2.0 * standard_error.unwrap_or(0.0);
+        let error = standard_error.unwrap_or(0.0);
+        let slack = 2.0 * error;
+        let of = |holds: bool, open: bool| match (holds, open) {
+            (true, _) => Outcome::Holds,
+            (false, true) => Outcome::Open,
+            (false, false) => Outcome::Fails,
+        };
         match self {
-            Self::Above(bound) => value - slack > bound,
-            Self::Below(bound) => value + slack < bound,
-            Self::AtMost(bound) => value - slack <= bound,
-            Self::Near(wanted, share) => (value - wanted).abs() <= share * wanted.abs() + slack,
+            Self::Above(bound) => of(value - slack > bound, value + slack > bound),
+            Self::Below(bound) => of(value + slack < bound, value - slack < bound),
+            Self::AtMost(bound) => of(value <= bound, value - slack <= bound),
+            Self::Near {
+                wanted,
+                share,
+                error: theirs,
+            } => {
+                let both = (error * error + theirs * theirs).sqrt();
+                let (miss, range) = ((value - wanted).abs(), share * wanted.abs());
+                of(miss <= range + 2.0 * theirs, miss <= range + 2.0 * both)
+            }
         }
     }
 
@@ -40,7 +86,13 @@ impl Expectation {
             Self::Above(bound) => format!("> {bound}"),
             Self::Below(bound) => format!("< {bound}"),
             Self::AtMost(bound) => format!("at most {bound}"),
-            Self::Near(wanted, share) => format!("{wanted} ± {} %", (1000.0 * share).round() / 10.0),
+            Self::Near { wanted, share, error } => {
+                let wanted = Measured {
+                    value: wanted,
+                    standard_error: (error > 0.0).then_some(error),
+                };
+                format!("{} within {} %", written(Some(wanted)), (1000.0 * share).round() / 10.0)
+            }
         }
     }
 }
@@ -60,13 +112,29 @@ pub struct Claim {
     pub measured: Option<Measured>,
 }
 
+impl Claim {
+    /// The claim without its case: `F2` of `F2-S1`.
+    pub fn stem(&self) -> &str {
+        self.id.split_once('-').map_or(&self.id, |(stem, _)| stem)
+    }
+
+    /// The case: `S1` of `F2-S1`; empty where there is but one.
+    pub fn case(&self) -> &str {
+        self.id.split_once('-').map_or("", |(_, case)| case)
+    }
+}
+
 /// What is to be said of a claim.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verdict {
-    /// The coefficients as printed hold it.
+    /// It holds for both readings of the coefficients, or for the one that has a number.
     Reproduced,
+    /// The coefficients as printed hold it, the other reading does not.
+    AsPrinted,
     /// The other reading of the coefficients holds it, the printed ones do not.
     UnderReading,
+    /// Neither holds it, and one leaves it open.
+    Undecided,
     /// Neither holds it.
     NotReproduced,
     /// Neither has a number.
@@ -74,13 +142,26 @@ pub enum Verdict {
 }
 
 impl Verdict {
+    /// Every verdict, in the order of tables.
+    pub const ALL: [Verdict; 6] = [
+        Self::Reproduced,
+        Self::UnderReading,
+        Self::AsPrinted,
+        Self::Undecided,
+        Self::NotReproduced,
+        Self::Unknown,
+    ];
+
     /// The verdict of what the printed coefficients and the other reading say.
     pub fn of(expectation: Expectation, printed: Option<Measured>, reading: Option<Measured>) -> Self {
-        let holds = |measured: Option<Measured>| measured.map(|measured| expectation.holds(measured));
-        match (holds(printed), holds(reading)) {
-            (Some(true), _) => Self::Reproduced,
-            (_, Some(true)) => Self::UnderReading,
+        use Outcome::{Holds, Open};
+        let outcome = |measured: Option<Measured>| measured.map(|measured| expectation.outcome(measured));
+        match (outcome(printed), outcome(reading)) {
+            (Some(Holds), Some(Holds) | None) => Self::Reproduced,
+            (Some(Holds), _) => Self::AsPrinted,
+            (_, Some(Holds)) => Self::UnderReading,
             (None, None) => Self::Unknown,
+            (Some(Open), _) | (_, Some(Open)) => Self::Undecided,
             _ => Self::NotReproduced,
         }
     }
@@ -89,7 +170,9 @@ impl Verdict {
     pub fn words(self, reading: &str) -> String {
         match self {
             Self::Reproduced => "reproduced".to_owned(),
+            Self::AsPrinted => "reproduced as printed only".to_owned(),
             Self::UnderReading => format!("reproduced under the {reading} reading"),
+            Self::Undecided => "undecided".to_owned(),
             Self::NotReproduced => "not reproduced".to_owned(),
             Self::Unknown => "unknown".to_owned(),
         }
@@ -131,101 +214,4 @@ pub fn findings(printed: &[Claim], reading: &[Claim]) -> Vec<Finding> {
         }
     })
     .collect()
-}
-
-/// A number with three significant digits, and its standard error with as many decimals.
-pub fn written(measured: Option<Measured>) -> String {
-    let Some(Measured { value, standard_error }) = measured else {
-        return "–".to_owned();
-    };
-    let decimals = decimals(value);
-    match standard_error {
-        Some(error) => format!("{value:.decimals$} ± {error:.decimals$}"),
-        None => format!("{value:.decimals$}"),
-    }
-}
-
-/// The decimals that leave three significant digits, at most five.
-fn decimals(value: f64) -> usize {
-    let mut size = value.abs();
-    let mut decimals = 2;
-    while size < 1.0 && decimals < 5 {
-        size *= 10.0;
-        decimals += 1;
-    }
-    if size >= 100.0 { 0 } else { decimals }
-}
-
-/// `findings.md`: a table, and how many claims have which verdict.
-pub fn markdown(findings: &[Finding], printed: &str, reading: &str) -> String {
-    let mut text = String::from("# Findings against the paper\n\n");
-    let _ = writeln!(
-        text,
-        "Each claim of the paper as a number. *{printed}* is the ship with the coefficients as printed, *{reading}* a labelled \
-         reading that is not the authors'. ± is one standard error. A claim holds unless the number misses what is expected \
-         by more than two standard errors. Computed from fig3_exceedance.csv, fig4_response_moments.csv, fig7_temporal.csv \
-         and table1.csv of each ship.\n"
-    );
-    for verdict in [
-        Verdict::Reproduced,
-        Verdict::UnderReading,
-        Verdict::NotReproduced,
-        Verdict::Unknown,
-    ] {
-        let count = findings.iter().filter(|finding| finding.verdict == verdict).count();
-        let _ = writeln!(text, "- {}: {count}", verdict.words(reading));
-    }
-    let _ = writeln!(
-        text,
-        "\n| | the paper says | measured here | expected | {printed} | {reading} | verdict |"
-    );
-    text.push_str("|---|---|---|---|---|---|---|\n");
-    for finding in findings {
-        let claim = &finding.claim;
-        let cells = [
-            claim.id.clone(),
-            claim.says.clone(),
-            claim.quantity.clone(),
-            claim.expectation.words(),
-            written(claim.measured),
-            written(finding.reading),
-            finding.verdict.words(reading),
-        ];
-        let _ = writeln!(text, "| {} |", cells.map(|cell| cell.replace('|', "\\|")).join(" | "));
-    }
-    text
-}
-
-/// `findings.csv`.
-pub fn table(findings: &[Finding], reading: &str) -> String {
-    let header = [
-        "id",
-        "paper_says",
-        "quantity",
-        "expected",
-        "printed",
-        "printed_standard_error",
-        "reading",
-        "reading_standard_error",
-        "verdict",
-    ];
-    let value = |measured: Option<Measured>| Cell::from(measured.map(|measured| measured.value));
-    let error = |measured: Option<Measured>| Cell::from(measured.and_then(|measured| measured.standard_error));
-    csv::write(
-        header,
-        findings.iter().map(|finding| {
-            let claim = &finding.claim;
-            [
-                claim.id.as_str().into(),
-                claim.says.as_str().into(),
-                claim.quantity.as_str().into(),
-                claim.expectation.words().as_str().into(),
-                value(claim.measured),
-                error(claim.measured),
-                value(finding.reading),
-                error(finding.reading),
-                finding.verdict.words(reading).as_str().into(),
-            ]
-        }),
-    )
 }

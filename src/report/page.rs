@@ -64,30 +64,40 @@ pub struct Page {
 const STYLE: &str = "
 :root { color-scheme: light; --ink: #1c1c1c; --grey: #5f5f5f; --line: #d9d9d9; }
 * { box-sizing: border-box; }
-body { margin: 0 auto; padding: 1.5rem 1rem 4rem; max-width: 68rem; color: var(--ink); background: #fff;
+body { margin: 0 auto; padding: 1.5rem 1rem 4rem; max-width: 72rem; color: var(--ink); background: #fff;
   font: 16px/1.55 'DejaVu Sans', Verdana, Arial, Helvetica, sans-serif; }
 h1 { font-size: 1.55rem; line-height: 1.25; margin: 0 0 .3rem; }
 h2 { font-size: 1.2rem; margin: 3rem 0 .6rem; padding-top: .6rem; border-top: 1px solid var(--line); }
-p, figcaption { max-width: 46rem; }
+h3 { font-size: 1.05rem; margin: 2rem 0 .4rem; }
+h4 { font-size: .92rem; margin: 1.6rem 0 .3rem; }
+h4 + p { margin: 0; color: var(--grey); font-size: .88rem; }
+p, li, figcaption { max-width: 46rem; }
 a { color: #2058cc; }
 nav ul { padding: 0; margin: 1rem 0 0; display: flex; flex-wrap: wrap; gap: .3rem 1.2rem; list-style: none; }
 figure { margin: 0; }
-figure img { display: block; width: 100%; height: auto; }
+figure img { display: block; max-width: 100%; height: auto; margin: 0 auto; }
+figure a { display: block; overflow-x: auto; }
 figcaption { margin-top: .6rem; }
 .look { color: var(--grey); }
 .scroll { overflow-x: auto; }
-table { border-collapse: collapse; font-size: .82rem; margin: .8rem 0; }
-th, td { padding: .3rem .6rem; text-align: left; vertical-align: top; border-bottom: 1px solid var(--line); }
+table { border-collapse: collapse; font-size: .8rem; margin: .8rem 0; font-variant-numeric: tabular-nums; }
+th, td { padding: .3rem .45rem; text-align: left; vertical-align: top; border-bottom: 1px solid var(--line); }
 th { border-bottom: 2px solid var(--grey); }
 code, pre { font: .82rem/1.5 'DejaVu Sans Mono', Menlo, Consolas, monospace; }
 pre { overflow-x: auto; padding: .8rem; background: #f6f6f6; }
 td code { word-break: break-all; }
 .whole { white-space: nowrap; }
+sub { line-height: 0; }
+@media screen and (max-width: 46rem) {
+  figure img { width: 46rem; max-width: none; }
+}
 @media print {
   body { max-width: none; padding: 0; font-size: 10pt; }
   nav { display: none; }
-  figure, tr { break-inside: avoid; }
-  .scroll { overflow: visible; }
+  h2, h3, h4, h4 + p { break-after: avoid; }
+  figure, tr, #table1 table { break-inside: avoid; }
+  figure img { max-height: 19cm; width: auto; }
+  .scroll, figure a { overflow: visible; }
   table { font-size: 7.5pt; }
   pre { white-space: pre-wrap; }
 }
@@ -135,7 +145,7 @@ pub fn html(page: &Page) -> String {
 fn navigation(text: &mut String, page: &Page) {
     text.push_str("<nav aria-label=\"Contents\"><ul>\n");
     for shown in &page.figures {
-        let short = shown.title.split(':').next().unwrap_or(&shown.title);
+        let short = shown.title.split([':', '(']).next().unwrap_or(&shown.title).trim();
         let _ = writeln!(text, "<li><a href=\"#{}\">{}</a></li>", shown.name, escape(short));
     }
     for (id, name) in [
@@ -166,8 +176,8 @@ fn figure(text: &mut String, shown: &Shown) {
     let _ = writeln!(
         text,
         "<figcaption><p>{}</p>\n<p class=\"look\"><strong>What to look for.</strong> {}</p></figcaption>\n</figure>",
-        escape(&shown.caption),
-        escape(&shown.look_for)
+        emphasis(&shown.caption),
+        emphasis(&shown.look_for)
     );
     text.push_str(&links(name, &["svg", "csv"]));
     text.push_str("</section>\n");
@@ -192,11 +202,15 @@ fn links(name: &str, extensions: &[&str]) -> String {
     format!("<p>{}</p>\n", all.join(" · "))
 }
 
-/// Our own Markdown as HTML: tables, lists of one level and paragraphs; a heading is left out, the section has one.
+/// Our own Markdown as HTML: tables, lists of one level, paragraphs and headings but the first level's, which the section has.
 fn markdown(text: &mut String, source: &str) {
     let mut lines = source.lines().peekable();
     while let Some(line) = lines.next() {
-        if line.starts_with("| ") || line.starts_with("|--") {
+        if let Some(words) = line.strip_prefix("### ") {
+            let _ = writeln!(text, "<h4>{}</h4>", emphasis(words));
+        } else if let Some(words) = line.strip_prefix("## ") {
+            let _ = writeln!(text, "<h3>{}</h3>", emphasis(words));
+        } else if line.starts_with("| ") || line.starts_with("|--") {
             let mut rows = vec![line];
             while let Some(row) = lines.next_if(|next| next.starts_with('|')) {
                 rows.push(row);
@@ -214,9 +228,21 @@ fn markdown(text: &mut String, source: &str) {
     }
 }
 
-/// A line with `*..*` set in italics.
+/// A line with `*..*` set in italics, `` `..` `` as code, and our symbols as they are printed.
 fn emphasis(line: &str) -> String {
-    let escaped = escape(line);
+    let mut set = String::new();
+    for (i, part) in escape(line).split('`').enumerate() {
+        if i % 2 == 1 {
+            let _ = write!(set, "<code>{part}</code>");
+        } else {
+            set.push_str(&symbols(&italics(part)));
+        }
+    }
+    set
+}
+
+/// Escaped text with `*..*` set in italics; a lonely star stays.
+fn italics(escaped: &str) -> String {
     let mut parts = escaped.split('*');
     let mut set = parts.next().unwrap_or_default().to_owned();
     while let Some(inside) = parts.next() {
@@ -232,6 +258,24 @@ fn emphasis(line: &str) -> String {
     set
 }
 
+/// The paper's symbols in words of ours, with their subscripts.
+const SYMBOLS: [(&str, &str, &str); 7] = [
+    ("P_true", "P", "true"),
+    ("P_est", "P", "est"),
+    ("P_CIC", "P", "CIC"),
+    ("P_PIC", "P", "PIC"),
+    ("θ_t", "θ", "t"),
+    ("epsilon_1", "ε", "1"),
+    ("alpha_2", "α", "2"),
+];
+
+/// Text in which every symbol is set as the figures set it.
+fn symbols(text: &str) -> String {
+    SYMBOLS.iter().fold(text.to_owned(), |text, (word, letter, index)| {
+        text.replace(word, &format!("<i>{letter}</i><sub>{index}</sub>"))
+    })
+}
+
 /// A Markdown table: its first row is the head, the second one the rule. An escaped bar is a character of no script meanwhile.
 fn table(text: &mut String, rows: &[&str]) {
     let cells = |row: &str, tag: &str| {
@@ -242,17 +286,21 @@ fn table(text: &mut String, rows: &[&str]) {
             .replace("\\|", "\u{e000}");
         let cell = |cell: &str| {
             let cell = cell.trim();
-            // Numbers and short names stay on one line.
-            let whole = if cell.chars().count() < 18 {
+            // Numbers with their errors and short names stay on one line.
+            let whole = if cell.contains('±') || cell.chars().count() < 18 {
                 " class=\"whole\""
             } else {
                 ""
             };
-            format!("<{tag}{whole}>{}</{tag}>", emphasis(cell).replace('\u{e000}', "|"))
+            let scope = if tag == "th" { " scope=\"col\"" } else { "" };
+            format!(
+                "<{tag}{whole}{scope}>{}</{tag}>",
+                emphasis(cell).replace('\u{e000}', "|")
+            )
         };
         inside.split('|').map(cell).collect::<String>()
     };
-    text.push_str("<div class=\"scroll\"><table>\n");
+    let _ = writeln!(text, "{SCROLL}<table>");
     for (i, row) in rows.iter().enumerate() {
         match i {
             0 => {
@@ -266,6 +314,9 @@ fn table(text: &mut String, rows: &[&str]) {
     }
     text.push_str("</tbody></table></div>\n");
 }
+
+/// What scrolls sideways is reached by the keyboard too.
+const SCROLL: &str = "<div class=\"scroll\" role=\"region\" aria-label=\"Table\" tabindex=\"0\">";
 
 fn parameters(text: &mut String, page: &Page) {
     text.push_str("<section id=\"parameters\">\n<h2>Parameters in force</h2>\n<p>SI units and radians. Units and sources stand in \
@@ -291,7 +342,11 @@ fn ids(text: &mut String, page: &Page) {
     text.push_str("<section id=\"ids\">\n<h2>Ids, and how to verify them</h2>\n<p>The id of a file is the BLAKE3 hash of its bytes: \
                    <code>b3sum FILE</code> prints it. <code>encounter verify --lock</code> compares all of them, and every value \
                    behind them, with the committed lock; <code>encounter verify --rebuild</code> makes all of it again and names \
-                   the first number that differs.</p>\n<div class=\"scroll\"><table>\n<thead><tr><th>file</th><th>id</th></tr></thead>\n<tbody>\n");
+                   the first number that differs.</p>\n");
+    let _ = writeln!(
+        text,
+        "{SCROLL}<table>\n<thead><tr><th scope=\"col\">file</th><th scope=\"col\">id</th></tr></thead>\n<tbody>"
+    );
     for (file, id) in &page.ids {
         let _ = writeln!(text, "<tr><td>{}</td><td><code>{id}</code></td></tr>", escape(file));
     }

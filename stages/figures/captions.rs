@@ -45,15 +45,19 @@ pub const CAPTIONS: [Caption; 8] = [
         title: "Figure 4: mean and spread of the response to one group",
         shows: "Mean (above) and standard deviation (below) of the largest roll in groups of three lengths and amplitudes, by \
                 every method, against the parametric excitation.",
-        look_for: "CIC has no spread at all; PIC spreads too much where the excitation is weak.",
+        look_for: "CIC has no spread at all. The paper finds PIC's rings above the dots where the excitation is weak, in mean and \
+                   in spread, and upon them where it is strong, and NIC's upon them everywhere.",
     },
     Caption {
         name: "fig5_vhgp_seq",
         title: "Figure 5: sequential against random sampling",
-        shows: "Estimated probability against the number of simulated groups: mean and one standard deviation over independent \
-                realisations. VHGP-Seq as the paper has it, its look-ahead design, the same surrogate on a Latin hypercube, and \
-                random sampling; dashed the truth, and the floor that no such design can go below.",
-        look_for: "How soon each band is as narrow as it will be with 120 samples, and how many random samples that would take.",
+        shows: "(a) Estimated probability against the number of simulated groups, by VHGP-Seq and by random sampling: mean and one \
+                standard deviation above it over independent realisations; dashed the truth. (b, not in the paper) The \
+                root-mean-square error, bias and spread together: also of a design that looks ahead, the same with the \
+                response of a linear oscillator as a control, and VHGP-Seq's surrogate on a Latin hypercube; dotted the floor of \
+                whatever sees length and amplitude alone.",
+        look_for: "How narrow the blue band is with 120 samples, and how many random samples have the same error in (b): the \
+                   paper finds more than a thousand.",
     },
     Caption {
         name: "fig6_jonswap_groups",
@@ -67,14 +71,15 @@ pub const CAPTIONS: [Caption; 8] = [
         shows: "(a) The probability by groups for three similarity thresholds of the detection. (b) The share of time that the \
                 roll angle exceeds a threshold: of the whole roll (dots), and the part of it within the detected groups \
                 (lines). (c) Each relative to its reference.",
-        look_for: "A stricter detection drops small groups and so raises the probability by groups; the share of time does not \
-                   know the detection, and nearly all of its tail lies within the groups.",
+        look_for: "A stricter detection drops small groups and so raises the probability by groups. The share of time of the \
+                   whole roll knows no detection; the thin lines of (c) tell how much of it lies within the groups.",
     },
     Caption {
         name: "fig8_method_error",
         title: "Figure 8 (not in the paper): the error of each method",
-        shows: "Figure 3 relative to the truth: each method's probability over that of the truth, with two standard errors of \
-                the truth in grey.",
+        shows: "Figure 3 relative to the truth: each method's probability over that of the truth. Grey: where two standard \
+                errors of both together, the truth and an estimate as good as it from as many groups as the methods run on, \
+                would leave a right method.",
         look_for: "A method that leaves the grey band is wrong, not unlucky.",
     },
 ];

@@ -30,6 +30,16 @@ fn a_machine_is_told_what_it_has_and_what_a_run_needs() {
         (&true.into(), &serde_json::Value::Null)
     );
     assert_eq!(answer["left"], answer["pieces"]);
+    let said = program.call(&["doctor"]).stdout;
+    for wanted in [
+        "the committed bits",
+        "needs 0.25 GiB",
+        "pieces from nothing",
+        "none yet",
+        "all is well",
+    ] {
+        assert!(said.contains(wanted), "{wanted}: {said}");
+    }
     assert!(!program.path("store").exists(), "a look makes nothing");
 }
 

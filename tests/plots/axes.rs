@@ -128,3 +128,22 @@ fn thinning_keeps_every_point_within_its_tolerance() {
         assert!(near, "{point:?} is lost");
     }
 }
+
+#[test]
+fn ticks_at_values_are_the_values_in_order_and_written_short() {
+    let axis = Axis::at_values([0.0048, 0.0, 0.0024, 0.0024, f64::NAN].into_iter(), "x");
+    let labels: Vec<&str> = axis.ticks.iter().map(|tick| tick.label.as_str()).collect();
+    assert_eq!(labels, ["0", "0.0024", "0.0048"]);
+    assert!(axis.low < 0.0 && axis.high > 0.0048, "no mark stands on the frame");
+    let empty = Axis::at_values(std::iter::empty(), "x");
+    assert!(empty.low < empty.high && empty.ticks.is_empty());
+}
+
+#[test]
+fn an_axis_starts_at_zero_unless_all_values_lie_far_from_it() {
+    let far = Axis::around([0.41, 0.59].into_iter(), 5, "y");
+    assert!(far.low > 0.0 && far.low < 0.41 && far.high > 0.59, "{far:?}");
+    let near = Axis::around([0.1, 0.59].into_iter(), 5, "y");
+    assert_eq!(near, Axis::from_zero([0.1, 0.59].into_iter(), 5, "y"));
+    assert_eq!(Axis::around(std::iter::empty(), 5, "y").low, 0.0);
+}

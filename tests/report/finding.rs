@@ -1,7 +1,8 @@
 //! Claims about verdicts.
 
 use encounter::report::evidence::{Measured, ratio};
-use encounter::report::finding::{Claim, Expectation, Verdict, findings, markdown, table, written};
+use encounter::report::finding::{Claim, Expectation, Outcome, Verdict, findings};
+use encounter::report::findings_text::{markdown, table, written};
 
 fn number(value: f64, standard_error: f64) -> Measured {
     Measured {
@@ -21,56 +22,114 @@ fn claim(id: &str, measured: Option<Measured>) -> Claim {
 }
 
 #[test]
-fn an_expectation_leaves_two_standard_errors_of_room() {
-    let holds = |expectation: Expectation, value: f64| expectation.holds(number(value, 0.1));
-    assert!(holds(Expectation::Above(1.0), 1.21) && !holds(Expectation::Above(1.0), 1.19));
-    assert!(holds(Expectation::Below(1.0), 0.79) && !holds(Expectation::Below(1.0), 0.81));
-    assert!(holds(Expectation::AtMost(1.0), 1.19) && !holds(Expectation::AtMost(1.0), 1.21));
-    assert!(holds(Expectation::Near(1.0, 0.05), 1.24) && !holds(Expectation::Near(1.0, 0.05), 1.26));
-    assert!(holds(Expectation::Near(1.0, 0.05), 0.76) && !holds(Expectation::Near(1.0, 0.05), 0.74));
+fn two_standard_errors_on_the_wrong_side_fail_and_on_the_right_side_hold() {
+    use Outcome::{Fails, Holds, Open};
+    let outcome = |expectation: Expectation, value: f64| expectation.outcome(number(value, 0.1));
+    for (expectation, value, wanted) in [
+        (Expectation::Above(1.0), 1.21, Holds),
+        (Expectation::Above(1.0), 1.19, Open),
+        (Expectation::Above(1.0), 0.81, Open),
+        (Expectation::Above(1.0), 0.79, Fails),
+        (Expectation::Below(1.0), 0.79, Holds),
+        (Expectation::Below(1.0), 0.81, Open),
+        (Expectation::Below(1.0), 1.19, Open),
+        (Expectation::Below(1.0), 1.21, Fails),
+        (Expectation::AtMost(1.0), 1.0, Holds),
+        (Expectation::AtMost(1.0), 1.19, Open),
+        (Expectation::AtMost(1.0), 1.21, Fails),
+    ] {
+        assert_eq!(outcome(expectation, value), wanted, "{expectation:?} {value}");
+    }
+    let exact = Measured {
+        value: 1.0,
+        standard_error: None,
+    };
+    assert_eq!(Expectation::Above(1.0).outcome(exact), Fails, "no more than the bound");
 }
 
 #[test]
-fn the_printed_coefficients_come_before_the_other_reading() {
-    let (yes, no) = (Some(number(2.0, 0.1)), Some(number(0.5, 0.1)));
+fn the_papers_number_has_a_standard_error_of_its_own() {
+    use Outcome::{Fails, Holds, Open};
+    let near = |error: f64| Expectation::Near {
+        wanted: 1.0,
+        share: 0.05,
+        error,
+    };
+    let says = |error: f64, values: [f64; 3]| values.map(|value| near(error).outcome(number(value, 0.03)));
+    assert_eq!(says(0.0, [1.04, 1.10, 1.12]), [Holds, Open, Fails]);
+    assert_eq!(says(0.0, [0.96, 0.90, 0.88]), [Holds, Open, Fails]);
+    // Two of its errors widen the range; .03 and .04 make .05.
+    assert_eq!(says(0.04, [1.12, 1.14, 1.16]), [Holds, Open, Fails]);
+    assert_eq!(near(0.04).words(), "1.00 ± 0.04 within 5 %");
+    assert_eq!(near(0.0).words(), "1 within 5 %");
+}
+
+#[test]
+fn both_readings_make_the_verdict() {
+    let [yes, open, no] = [2.0, 1.1, 0.5].map(|value| Some(number(value, 0.1)));
     let verdict = |printed, reading| Verdict::of(Expectation::Above(1.0), printed, reading);
-    assert_eq!(verdict(yes, no), Verdict::Reproduced);
+    assert_eq!(verdict(yes, yes), Verdict::Reproduced);
+    assert_eq!(verdict(yes, None), Verdict::Reproduced);
+    assert_eq!(verdict(yes, no), Verdict::AsPrinted);
+    assert_eq!(verdict(yes, open), Verdict::AsPrinted);
     assert_eq!(verdict(no, yes), Verdict::UnderReading);
     assert_eq!(verdict(None, yes), Verdict::UnderReading);
+    assert_eq!(verdict(no, open), Verdict::Undecided);
+    assert_eq!(verdict(open, no), Verdict::Undecided);
     assert_eq!(verdict(no, no), Verdict::NotReproduced);
     assert_eq!(verdict(no, None), Verdict::NotReproduced);
     assert_eq!(verdict(None, None), Verdict::Unknown);
 }
 
 #[test]
-fn a_claim_that_one_ship_alone_can_test_is_still_a_finding() {
-    let printed = [claim("F1", Some(number(0.5, 0.1)))];
-    let reading = [claim("F1", Some(number(3.0, 0.1))), claim("F2", Some(number(3.0, 0.1)))];
+fn a_claim_has_one_line_and_a_table_of_its_cases() {
+    let (yes, no) = (Some(number(3.0, 0.1)), Some(number(0.5, 0.1)));
+    let printed = [claim("F1-S1", no), claim("F1-S2", no)];
+    let reading = [claim("F1-S1", yes), claim("F1-S2", no), claim("F2", yes)];
     let all = findings(&printed, &reading);
-    let seen: Vec<_> = all
-        .iter()
-        .map(|finding| (finding.claim.id.as_str(), finding.verdict))
-        .collect();
-    assert_eq!(seen, [("F1", Verdict::UnderReading), ("F2", Verdict::UnderReading)]);
-    assert_eq!(all[1].claim.measured, None);
+    assert_eq!(all[2].claim.measured, None, "one ship alone can test it");
     let text = markdown(&all, "printed", "other");
-    assert!(text.contains("- reproduced under the other reading: 2\n"), "{text}");
-    assert!(
-        text.contains("| F1 | it grows \\| a bar | growth | > 1 | 0.500 ± 0.100 | 3.00 ± 0.10 |"),
-        "{text}"
-    );
+    for wanted in [
+        "- reproduced under the other reading: 2\n- not reproduced: 1\n",
+        "| F1 | it grows \\| a bar | S1: reproduced under the other reading; S2: not reproduced |\n",
+        "| F2 | it grows \\| a bar | reproduced under the other reading |\n",
+        "### F1: it grows | a bar\n\nGrowth.\n",
+        "| S1 | > 1 | 0.50 ± 0.10, fails | 3.00 ± 0.10, holds | reproduced under the other reading |\n",
+        "| all | > 1 | – | 3.00 ± 0.10, holds | reproduced under the other reading |\n",
+    ] {
+        assert!(text.contains(wanted), "{wanted} in {text}");
+    }
     let csv = table(&all, "other");
-    assert_eq!(csv.lines().count(), 3);
+    assert_eq!(csv.lines().count(), 4);
     assert!(
-        csv.ends_with("F2,it grows | a bar,growth,> 1,,,3,0.1,reproduced under the other reading\n"),
+        csv.ends_with("F2,it grows | a bar,growth,> 1,,,,3,0.1,holds,reproduced under the other reading\n"),
         "{csv}"
     );
 }
 
 #[test]
-fn numbers_have_three_digits_and_their_errors_as_many_decimals() {
-    assert_eq!(written(Some(number(0.00761234, 0.00012))), "0.00761 ± 0.00012");
-    assert_eq!(written(Some(number(1627.4, 12.0))), "1627 ± 12");
+fn a_number_has_the_digits_that_its_error_allows() {
+    for (value, error, wanted) in [
+        (0.007_612_34, 0.000_12, "0.00761 ± 0.00012"),
+        (2496.3, 252.0, "2500 ± 250"),
+        (1627.4, 12.0, "1627 ± 12"),
+        (0.247_16, 0.000_41, "0.2472 ± 0.0004"),
+        (0.007_63, 0.007_64, "0.008 ± 0.008"),
+        (-0.0333, 0.0207, "−0.033 ± 0.021"),
+        (126.2, 1.8, "126.2 ± 1.8"),
+    ] {
+        assert_eq!(written(Some(number(value, error))), wanted);
+    }
+    let exact = |value: f64| {
+        written(Some(Measured {
+            value,
+            standard_error: None,
+        }))
+    };
+    assert_eq!(
+        (exact(0.75), exact(0.0), exact(1234.0)),
+        ("0.75".into(), "0".into(), "1230".into())
+    );
     assert_eq!(written(None), "–");
 }
 

@@ -18,7 +18,9 @@ fn page() -> Page {
                 .to_owned(),
         }],
         table1: "| sea | P |\n|---|---|\n| S1 | 1 \\| 2 |\n".to_owned(),
-        findings: "# Heading\n\nAs *printed* here.\n\n- one\n- two\n".to_owned(),
+        findings:
+            "# Heading\n\nAs *printed* here, `P_true`, P_true.\n\n- one\n- two\n\n## Numbers\n\n### F1: epsilon_1\n"
+                .to_owned(),
         parameters: BTreeMap::from([("record".to_owned(), table)]),
         ids: BTreeMap::from([("fig1.svg".to_owned(), "ab12".to_owned())]),
     }
@@ -41,7 +43,11 @@ fn words_are_escaped_and_tables_kept() {
         text.contains("<td class=\"whole\">S1</td><td class=\"whole\">1 | 2</td>"),
         "{text}"
     );
-    assert!(text.contains("<p>As <em>printed</em> here.</p>") && !text.contains("# Heading"));
+    assert!(
+        text.contains("<p>As <em>printed</em> here, <code>P_true</code>, <i>P</i><sub>true</sub>.</p>"),
+        "{text}"
+    );
+    assert!(!text.contains("# Heading") && text.contains("<h3>Numbers</h3>\n<h4>F1: <i>ε</i><sub>1</sub></h4>"));
     assert!(text.contains("<ul>\n<li>one</li>\n<li>two</li>\n</ul>"));
     assert!(
         text.contains(
