@@ -297,6 +297,20 @@ fn a_lock_that_leaves_something_out_is_told() {
     }
 }
 
+#[test]
+fn files_that_are_not_here_are_not_said_to_be_equal() {
+    let program = Program::new("tiny");
+    lock_with(&program, str::to_owned);
+    let lines = LOCK.lines().filter(|line| line.starts_with("file ")).count();
+    let said = program.call(&["verify", "--lock"]);
+    assert_eq!(said.code, 0, "{}", said.stderr);
+    let told = format!(" lines, all equal; {lines} files not here to compare\n");
+    assert!(said.stdout.ends_with(&told), "{}", said.stdout);
+    let told = program.json(&["verify", "--lock"]);
+    let number = |key: &str| told[key].as_u64().expect("a number") as usize;
+    assert_eq!(number("lines") - number("compared"), lines);
+}
+
 /// The locked version of a crate.
 fn version_of(name: &str) -> String {
     let lock = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("Cargo.lock")).expect("a lock");
