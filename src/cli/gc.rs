@@ -126,8 +126,8 @@ pub(super) fn hint(error: Error, root: &Path) -> Error {
         Error::Full {
             path, needed, source, ..
         } => {
-            let could = plan(root, &PIPELINE, &committed(root), 0).ok();
-            let freeable = could.map(|sweep| sweep.freed);
+            let could = is_on_the_disk_of(root, &path).then(|| plan(root, &PIPELINE, &committed(root), 0));
+            let freeable = could.and_then(Result::ok).map(|sweep| sweep.freed);
             Error::Full {
                 path,
                 needed,
@@ -137,6 +137,23 @@ pub(super) fn hint(error: Error, root: &Path) -> Error {
         }
         other => other,
     }
+}
+
+/// Whether what is freed in a store makes room for a file, which may not be there yet.
+#[cfg(unix)]
+fn is_on_the_disk_of(root: &Path, path: &Path) -> bool {
+    use std::os::unix::fs::MetadataExt;
+    let disk = |path: &Path| {
+        path.ancestors()
+            .find_map(|at| at.metadata().ok())
+            .map(|found| found.dev())
+    };
+    disk(path) == disk(root)
+}
+
+#[cfg(not(unix))]
+fn is_on_the_disk_of(root: &Path, path: &Path) -> bool {
+    path.starts_with(root)
 }
 
 /// The texts of the locks at every ref of the git repository that the store lies in; none outside of one.

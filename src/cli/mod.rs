@@ -278,9 +278,18 @@ fn print_json(value: &serde_json::Value) {
 
 /// Parses the command line, runs the verb, prints the error; the exit code says which kind it was.
 pub fn main() -> ExitCode {
-    let verb = Cli::parse().verb;
-    interrupt::listen();
-    match forced_level().and_then(|()| act(&verb)).and_then(|()| all_said()) {
+    let done = match Cli::try_parse() {
+        Ok(cli) => {
+            interrupt::listen();
+            forced_level().and_then(|()| act(&cli.verb))
+        }
+        Err(mistake) if mistake.use_stderr() => mistake.exit(),
+        Err(help) => {
+            note(help.print());
+            Ok(())
+        }
+    };
+    match done.and_then(|()| all_said()) {
         Ok(()) => ExitCode::SUCCESS,
         Err(Error::Interrupted) => interrupt::leave(),
         Err(error) => {

@@ -14,6 +14,7 @@ use serde_json::json;
 use crate::cli::interrupt::{STOP, temporary_folder};
 use crate::cli::progress::{Progress, tell};
 use crate::cli::run::workers;
+use crate::cli::words::counted;
 use crate::cli::{Common, Session, on_request, print_json, same_bits, say};
 use crate::engine::audit::{Audit, Finding, audit};
 use crate::engine::code;
@@ -107,14 +108,19 @@ fn verify_lock(args: &VerifyArgs, session: &Session) -> Result<()> {
     let toolchains = toolchains(&lock);
     if args.common.json {
         print_json(&json!({
-            "format": 1, "lock": path.display().to_string(), "lines": lock.lines.len(), "differences": differences,
+            "format": 1, "lock": path.display().to_string(), "lines": lock.lines.len(),
+            "compared": comparable(args, session, &lock).lines.len(), "differences": differences,
             "toolchains": toolchains,
         }));
     } else if differences.is_empty() {
+        let compared = comparable(args, session, &lock).lines.len();
+        let left_out = match lock.lines.len() - compared {
+            0 => String::new(),
+            files => format!("; {} not here to compare", counted(files, "file")),
+        };
         say(format_args!(
-            "{}: {} lines, all equal",
-            path.display(),
-            lock.lines.len()
+            "{}: {compared} lines, all equal{left_out}",
+            path.display()
         ));
     }
     let told = by_sentence(&differences);
@@ -128,24 +134,30 @@ fn verify_lock(args: &VerifyArgs, session: &Session) -> Result<()> {
 }
 
 fn compare_lock(args: &VerifyArgs, session: &Session, lock: &Lock) -> Result<Vec<String>> {
-    // Published files of a small profile live in its store, which may not be there; only the paper's are committed. What
-    // other parameters would publish is in no lock.
+    // What other parameters would publish is in no lock.
     let omitted = if args.common.is_custom() {
         Vec::new()
     } else {
         let layout = publish::layout(&session.graph, SHIP, &session.ships);
         omissions(&session.graph, lock, args.common.profile.name(), &layout)
     };
-    let mut lock = lock.clone();
-    let is_kept = session.figures.is_dir() || args.common.profile.name() == "paper";
-    if !is_kept || args.common.is_custom() {
-        lock.lines.retain(|line| line.pieces.is_some());
-    }
+    let lock = comparable(args, session, lock);
     let store = session.look_at_store()?;
     let silent = |_: &_| {};
     let run = Run::new(&session.graph, &store, &silent);
     let differences = against_lock(&run, &lock, &session.figures);
     Ok(omitted.into_iter().chain(differences).collect())
+}
+
+/// The lines of a lock that there is something to compare with. Published files of a small profile live in its store, which
+/// may not be there; only the paper's are committed.
+fn comparable(args: &VerifyArgs, session: &Session, lock: &Lock) -> Lock {
+    let mut lock = lock.clone();
+    let is_kept = session.figures.is_dir() || args.common.profile.name() == "paper";
+    if !is_kept || args.common.is_custom() {
+        lock.lines.retain(|line| line.pieces.is_some());
+    }
+    lock
 }
 
 /// `NAME: SENTENCE`, each sentence once, with the first name and the number of the others.

@@ -39,6 +39,8 @@ const CHECK: usize = 32;
 const MOST: usize = 20_000;
 /// An object that changed so shortly before it was verified, seconds, may have changed after it under the same time.
 const GRAIN: i64 = 2;
+/// So many rows take longer than starting a thread.
+const WORTH_A_THREAD: usize = 100;
 
 /// What the last runs verified.
 #[derive(Default)]
@@ -122,25 +124,50 @@ impl Index {
 
     /// Decides a whole graph by the index; nothing is moved or made.
     pub fn believe(&self, run: &Run<'_>) -> Belief {
-        let mut belief = Belief::All { rehashed: false };
+        let (mut rows, mut is_whole) = (Vec::new(), true);
         for node in 0..run.graph.nodes.len() {
             for piece in run.graph.wanted_pieces(node) {
                 let row = run.key(node, piece).and_then(|key| self.row(&key));
-                let Some(row) = row else {
-                    belief = Belief::Not;
-                    continue;
-                };
+                is_whole &= row.is_some();
                 // Made again, a lost output must have the same id: what reads it can be looked at all the same.
-                run.suppose(node, piece, row.id, row.bytes);
-                if !self.vouches_for(run, &row) {
-                    match &mut belief {
-                        Belief::All { rehashed } if is_sound(run, &row) => *rehashed = true,
-                        _ => belief = Belief::Not,
-                    }
-                }
+                rows.extend(row.inspect(|row| run.suppose(node, piece, row.id, row.bytes)));
             }
         }
-        belief
+        if is_whole {
+            self.judge_by_halves(run, &rows)
+        } else {
+            Belief::Not
+        }
+    }
+
+    /// What is to be believed of some rows. A stat is a walk through folders that two cores do in half the time.
+    fn judge_by_halves(&self, run: &Run<'_>, rows: &[Row]) -> Belief {
+        if rows.len() < WORTH_A_THREAD {
+            return self.judge(run, rows);
+        }
+        let (first, second) = rows.split_at(rows.len() / 2);
+        let (first, second) = std::thread::scope(|scope| {
+            let first = scope.spawn(|| self.judge(run, first));
+            let second = self.judge(run, second);
+            (first.join().unwrap_or(Belief::Not), second)
+        });
+        match (first, second) {
+            (Belief::All { rehashed: first }, Belief::All { rehashed: second }) => Belief::All {
+                rehashed: first || second,
+            },
+            _ => Belief::Not,
+        }
+    }
+
+    fn judge(&self, run: &Run<'_>, rows: &[Row]) -> Belief {
+        let mut rehashed = false;
+        for row in rows.iter().filter(|row| !self.vouches_for(run, row)) {
+            if !is_sound(run, row) {
+                return Belief::Not;
+            }
+            rehashed = true;
+        }
+        Belief::All { rehashed }
     }
 
     /// Whether the object of a row is as it was when it was verified, or is still not there if it was not then; and whether

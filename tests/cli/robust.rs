@@ -21,6 +21,7 @@ fn an_answer_that_cannot_be_printed_is_an_error_and_a_reader_that_has_gone_is_no
         &["status"] as &[&str],
         &["status", "--json"],
         &["graph", "--format", "dot"],
+        &["status", "--help"],
     ] {
         let full = File::options().write(true).open("/dev/full").expect("a full device");
         let output = program.command(verb).stdout(full).output().expect("the binary runs");

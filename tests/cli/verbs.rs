@@ -214,7 +214,10 @@ fn csv_follows_the_contract(figures: &Path) {
 
 fn verifies(program: &Program, figures: &Path) {
     let equal = program.json(&["verify", "--lock"]);
-    assert_eq!(keys(&equal), ["differences", "format", "lines", "lock", "toolchains"]);
+    assert_eq!(
+        keys(&equal),
+        ["compared", "differences", "format", "lines", "lock", "toolchains"]
+    );
     assert_eq!(equal["differences"].as_array().map(Vec::len), Some(0));
     let lock = program.lock_text();
     let lines = lock.lines().filter(|line| !line.starts_with("made-with ")).count();

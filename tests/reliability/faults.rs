@@ -229,6 +229,16 @@ fn the_binary_on_a_full_disk_says_what_it_needs_and_what_gc_could_free() {
 }
 
 #[test]
+fn a_full_disk_that_gc_frees_nothing_on_is_not_said_to_be_helped_by_it() {
+    let Some(mount) = Mount::new("16k") else { return };
+    let program = Program::new("tiny");
+    let figures = mount.0.path().join("figures").display().to_string();
+    let said = program.call(&[&["run", "fig3_exceedance", "--figures", &figures], SMALL.as_slice()].concat());
+    assert_eq!(said.code, 5, "{}", said.stderr);
+    assert!(said.stderr.ends_with(" bytes needed\n"), "{}", said.stderr);
+}
+
+#[test]
 fn a_read_only_store_can_be_looked_at_but_not_run_in() {
     let Some(mount) = Mount::new("30m") else { return };
     let program = Program::in_folder("tiny", mount.0.path());
