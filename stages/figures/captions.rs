@@ -54,7 +54,7 @@ pub const CAPTIONS: [Caption; 8] = [
         shows: "(a) Estimated probability against the number of simulated groups, by VHGP-Seq and by random sampling: mean and one \
                 standard deviation above it over independent realisations; dashed the truth. (b, not in the paper) The \
                 root-mean-square error, bias and spread together: also of a design that looks ahead, the same with the \
-                response of a linear oscillator as a control, and VHGP-Seq's surrogate on a Latin hypercube; dotted the floor of \
+                response of linear oscillators as a control, and VHGP-Seq's surrogate on a Latin hypercube; dotted the floor of \
                 whatever sees length and amplitude alone.",
         look_for: "How narrow the blue band is with 120 samples, and how many random samples have the same error in (b): the \
                    paper finds more than a thousand.",

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use crate::design::settings::VhgpSeq;
+use crate::design::settings::{LookAhead, VhgpSeq};
 use crate::engine::arrow::{CaseOf, Cases, One};
 use crate::engine::case::Axis;
 use crate::engine::error::{Error, Result};
@@ -47,6 +47,8 @@ pub struct Params {
     pic: Pic,
     nic: Nic,
     vhgp_seq: VhgpSeq,
+    vhgp_best: LookAhead,
+    vhgp_control: LookAhead,
 }
 
 /// The name of the ship.
@@ -140,6 +142,8 @@ impl Params {
         show("pic", serde_json::to_value(&self.pic));
         show("nic", serde_json::to_value(&self.nic));
         show("vhgp_seq", serde_json::to_value(&self.vhgp_seq));
+        show("vhgp_best", serde_json::to_value(&self.vhgp_best));
+        show("vhgp_control", serde_json::to_value(&self.vhgp_control));
         all
     }
 }

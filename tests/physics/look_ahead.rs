@@ -155,22 +155,25 @@ fn a_scale_keeps_order_and_sign_and_so_the_share_above_any_threshold() {
 }
 
 #[test]
-fn the_square_root_takes_the_bias_out_of_a_skewed_response() {
-    // The square of a normal response: the model is right on its scale alone.
-    let (x, y) = groups();
-    let pool = (x, y.iter().map(|y| y.abs() * y).collect::<Vec<f64>>());
-    let threshold = 0.85 * 0.85;
-    let truth = pool.1.iter().filter(|r| **r > threshold).count() as f64 / 20_000.0;
-    let bias = |scale: ResponseScale| {
-        let mut design = own().design(&shared(), threshold);
-        (design.scale, design.cap) = (scale, 4.0);
-        let p: Vec<f64> = (0..4)
-            .map(|seed| realisation(&design, &pool, threshold, seed).estimate[30] / truth)
-            .collect();
-        mean(&p) - 1.0
-    };
-    let (plain, root) = (bias(ResponseScale::Identity), bias(ResponseScale::SquareRoot));
-    assert!(root.abs() < 0.2 && plain < root - 0.05, "{plain} {root}");
+fn a_design_on_the_square_root_is_the_design_of_the_square_roots() {
+    let plain = groups();
+    let roots = (
+        plain.0.clone(),
+        plain.1.iter().map(|r| ResponseScale::SquareRoot.of(*r)).collect(),
+    );
+    let mut design = own().design(&shared(), 0.85);
+    assert_eq!(
+        (design.scale, design.cap),
+        (ResponseScale::SquareRoot, own().cap * 0.85)
+    );
+    design.total = 48;
+    let of_plain = realisation(&design, &plain, 0.85, 2);
+    design.scale = ResponseScale::Identity;
+    design.cap = design.cap.sqrt();
+    let of_roots = realisation(&design, &roots, 0.85_f64.sqrt(), 2);
+    assert_eq!(of_plain.points, of_roots.points, "the samples are the same");
+    assert_eq!(of_plain.estimate, of_roots.estimate);
+    assert!(of_plain.estimate.iter().all(|p| *p > 0.0 && *p < 0.1));
 }
 
 #[test]
