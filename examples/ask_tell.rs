@@ -73,7 +73,7 @@ enum Verb {
         #[arg(long)]
         theta_t: f64,
         /// Largest maximum that enters the model, so that none far above the threshold, like a capsize, bends it; a little
-        /// above the threshold by default.
+        /// above the threshold by default. Where most exceedances lie far above, give more: the estimate comes out low.
         #[arg(long)]
         cap: Option<f64>,
         /// Samples in all.
@@ -252,7 +252,7 @@ fn begin(folder: &Path, state: &State) -> Result<String, Refusal> {
         return Err(refusal(name, "a number > 0", v, "correct it"));
     }
     if !(state.vhgp_best.cap > 1.0 && state.vhgp_best.cap < f64::INFINITY) {
-        let expected = format!("more than --theta-t {}", state.theta_t);
+        let expected = format!("a finite number above --theta-t {}", state.theta_t);
         return Err(refusal(
             "--cap",
             expected,

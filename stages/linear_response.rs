@@ -23,6 +23,9 @@ use crate::stages::wave_synthesis::WaveSynthesis;
 /// The largest roll of the oscillators in the original waves, their geometric mean group by group.
 pub struct LinearResponse;
 
+/// Largest amplitude of the harmonic balance, in theta_t.
+const LARGEST: f64 = 10.0;
+
 /// Parameters of the linear response.
 #[derive(Serialize, Deserialize)]
 pub struct Params {
@@ -60,11 +63,11 @@ impl Stage for LinearResponse {
 
     fn check(p: &Params) -> std::result::Result<(), String> {
         let found = &p.linear_response.amplitudes;
-        if !found.is_empty() && found.iter().all(|a| *a > 0.0 && a.is_finite()) {
+        if !found.is_empty() && found.iter().all(|a| *a > 0.0 && *a <= LARGEST) {
             return Ok(());
         }
         Err(format!(
-            "linear_response.amplitudes: expected numbers > 0, at least one, found {found:?}"
+            "linear_response.amplitudes: expected numbers above 0 and up to {LARGEST}, at least one, found {found:?}"
         ))
     }
 

@@ -1,4 +1,4 @@
-//! §4 What no method that sees (L, A) and 120 responses can go below, from all responses of the pool.
+//! §4 What no unbiased estimate over (L, A) can go below, from all responses of the pool.
 
 use std::sync::Arc;
 

@@ -1,8 +1,8 @@
 //! §4 Sequential sampling that looks ahead: each sample where it lowers the variance of the estimate most.
 //!
 //! The paper's surrogate and numbers of samples; what differs is the coordinate ln L, the first samples from the density
-//! of the groups, the acquisition, and a noise that changes slowly. README.md says how these were chosen. Points are
-//! recorded as (L/T_p, A/H_s).
+//! of the groups, the acquisition, a noise that changes slowly, and a roll cut a little above θ_t and seen on its square
+//! root. README.md says how these were chosen. Points are recorded as (L/T_p, A/H_s).
 
 use std::sync::Arc;
 

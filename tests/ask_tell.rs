@@ -355,7 +355,11 @@ fn a_sequence_is_begun_once_with_sound_numbers_and_keeps_its_groups() {
     for (option, value, says) in [
         ("--t-p", "0", "--t-p: expected a number > 0, found 0"),
         ("--theta-t", "NaN", "--theta-t: expected a number > 0, found NaN"),
-        ("--cap", "0.5", "--cap: expected more than --theta-t 0.75, found 0.5"),
+        (
+            "--cap",
+            "0.5",
+            "--cap: expected a finite number above --theta-t 0.75, found 0.5",
+        ),
         ("--total", "20", "--total: expected a design that holds together"),
         (
             "--total",

@@ -184,7 +184,7 @@ impl Ledger {
 
     /// The same to be told at length; of the records if nothing ran.
     fn times(&self, session: &Session, store: &Store, elapsed: f64) -> timing::Times {
-        if self.ran.is_empty() {
+        if self.ran.is_empty() && self.failed.is_empty() {
             timing::Times::Recorded(recorded(&session.graph, store))
         } else {
             let stages = self.by_stage(session);

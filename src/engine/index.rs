@@ -47,7 +47,8 @@ const WORTH_A_THREAD: usize = 100;
 pub struct Index {
     /// When the last run began to verify, seconds and nanoseconds since 1970.
     begun: (i64, i64),
-    rows: Vec<u8>,
+    /// The file but for its check; empty without one.
+    bytes: Vec<u8>,
 }
 
 #[derive(Clone, Debug, PartialEq)]
@@ -98,18 +99,23 @@ impl Index {
         if rows % ROW != 0 || &bytes[..8] != MAGIC {
             return None;
         }
-        let check = bytes.split_off(HEAD + rows);
-        if blake3::hash(&bytes).as_bytes() != check.as_slice() {
+        let (body, check) = bytes.split_at(HEAD + rows);
+        if blake3::hash(body).as_bytes() != check {
             return None;
         }
         let begun = (number(&bytes, 8) as i64, number(&bytes, 16) as i64);
-        let rows = bytes.split_off(HEAD);
-        Some(Self { begun, rows })
+        bytes.truncate(HEAD + rows);
+        Some(Self { begun, bytes })
+    }
+
+    /// Its rows, one after another.
+    fn rows(&self) -> &[u8] {
+        self.bytes.get(HEAD..).unwrap_or_default()
     }
 
     /// Whether nothing is known.
     pub fn is_empty(&self) -> bool {
-        self.rows.is_empty()
+        self.rows().is_empty()
     }
 
     /// Takes the id of a piece for known, if its object is as it was when it was verified.
@@ -202,7 +208,7 @@ impl Index {
                 }
             }
         }
-        for old in self.rows.chunks_exact(ROW) {
+        for old in self.rows().chunks_exact(ROW) {
             // What was not to be believed must not come to be by a later time at the head.
             let is_calm = Row::decoded(old).stat.is_none_or(|noted| self.is_calm(&noted));
             if is_calm && rows.len() < MOST {
@@ -243,10 +249,11 @@ impl Index {
     }
 
     fn row(&self, key: &Key) -> Option<Row> {
-        let (mut from, mut to) = (0, self.rows.len() / ROW);
+        let rows = self.rows();
+        let (mut from, mut to) = (0, rows.len() / ROW);
         while from < to {
             let middle = usize::midpoint(from, to);
-            let row = &self.rows[middle * ROW..(middle + 1) * ROW];
+            let row = &rows[middle * ROW..(middle + 1) * ROW];
             match row[..32].cmp(&key.0) {
                 std::cmp::Ordering::Less => from = middle + 1,
                 std::cmp::Ordering::Greater => to = middle,

@@ -1,4 +1,5 @@
-//! Figure 5: how the estimate converges with the number of samples, by five methods, and what none that sees (L, A) alone can go below.
+//! Figure 5: how the estimate converges with the number of samples, by five methods, and what an unbiased one over (L, A) cannot go
+//! below.
 //!
 //! | paper | code | unit | meaning |
 //! |---|---|---|---|
@@ -327,7 +328,7 @@ fn legend() -> Vec<Entry> {
         entry(Sample::Line(BEST), "look-ahead"),
         entry(Sample::Line(CONTROL), "look-ahead with control"),
         entry(Sample::Line(HYPERCUBE), "Latin hypercube"),
-        entry(Sample::Line(FLOOR), "least of what sees (*L*, *A*) alone"),
+        entry(Sample::Line(FLOOR), "least of an unbiased one over (*L*, *A*)"),
     ]
 }
 

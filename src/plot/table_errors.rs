@@ -1,4 +1,4 @@
-//! What stands below Table 1 in Markdown: errors of the methods in % of P_true, beside what no method goes below.
+//! What stands below Table 1 in Markdown: errors of the methods in % of P_true, beside what an unbiased estimate over (L, A) cannot go below.
 //!
 //! | paper | code | unit | meaning |
 //! |---|---|---|---|
@@ -10,7 +10,7 @@ use std::fmt::Write;
 
 use super::table::{Estimate, Floor, NOTHING, Table};
 
-/// Bias, standard deviation and root mean square error in % of P_true, beside what no method goes below.
+/// Bias, standard deviation and root mean square error in % of P_true, beside what an unbiased estimate over (L, A) cannot go below.
 pub(super) fn errors(table: &Table) -> String {
     let mut text = String::from(
         "| sea | VHGP-Seq: bias, std, rmse | look-ahead | control | hypercube | floor: importance sampling | floor: smooth model | samples for the paper's std |\n\

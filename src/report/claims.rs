@@ -10,6 +10,7 @@
 //!
 //! Tested in `tests/report/claims.rs`.
 
+use crate::numerics::domain;
 use serde::{Deserialize, Serialize};
 
 use super::claims_sampling;
@@ -24,15 +25,34 @@ pub struct Settings {
     /// Name of the ship with the coefficients as printed.
     pub printed: String,
     /// Share of its value within which a number of the paper counts as met.
+    #[serde(deserialize_with = "domain::positive")]
     pub agreement: f64,
     /// "Far below": at most this share of P_true.
+    #[serde(deserialize_with = "domain::positive")]
     pub far: f64,
     /// "Hardly distinguishable" on a logarithmic axis: at most so many decades apart.
+    #[serde(deserialize_with = "domain::positive")]
     pub decades: f64,
     /// Thresholds count where P_true, and the ratio of an estimate to it, is known to this share of its value.
+    #[serde(deserialize_with = "domain::positive")]
     pub known: f64,
-    /// Realisations behind the paper's means and standard deviations in Table 1.
+    /// Realisations behind the paper's means and standard deviations in Table 1, at least 2.
+    #[serde(deserialize_with = "domain::count")]
     pub realisations: u32,
+}
+
+impl Settings {
+    /// A standard deviation is of two numbers at least.
+    ///
+    /// # Errors
+    /// `key: expected .., found ..`.
+    pub fn check(&self) -> Result<(), String> {
+        if self.realisations >= 2 {
+            return Ok(());
+        }
+        let found = self.realisations;
+        Err(format!("realisations: expected at least 2, found {found}"))
+    }
 }
 
 /// Every claim, with the numbers of one ship.

@@ -68,9 +68,9 @@ pub fn markdown(findings: &[Finding], printed: &str, reading: &str) -> String {
          labelled reading that is not the authors'. ± is one standard error. A number *holds* an expectation of more or less \
          (>, <) if it is on that side by more than two standard errors, a bound (at most) if it keeps it, and one of agreement \
          (within) if it is in the range, widened by two of the paper's own standard errors; it *fails* if it misses by more than \
-         two standard errors, and leaves the claim *open* in between. The seas share their random phases. Coefficients of \
-         *{reading}* were chosen for P_true of Table 1 and the order of Figure 3: for it F1, F2 and T1a say that such a ship \
-         exists, and are no test of the paper. Computed from \
+         two standard errors, and leaves the claim *open* in between. The seas share their random phases. Of a \
+         reading chosen for Table 1's P_true and Figure 3's order, as *calibrated* is, F1, F2 and T1a say that such a ship exists: \
+         they are no test of the paper. Computed from \
          fig3_exceedance.csv, fig4_response_moments.csv, fig7_temporal.csv and table1.csv of each ship; numbers by verdict:\n"
     );
     for verdict in Verdict::ALL {

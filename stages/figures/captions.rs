@@ -54,8 +54,8 @@ pub const CAPTIONS: [Caption; 8] = [
         shows: "(a) Estimated probability against the number of simulated groups, by VHGP-Seq and by random sampling: mean and one \
                 standard deviation above it over independent realisations; dashed the truth. (b, not in the paper) The \
                 root-mean-square error, bias and spread together: also of a design that looks ahead, the same with the \
-                response of linear oscillators as a control, and VHGP-Seq's surrogate on a Latin hypercube; dotted the floor of \
-                whatever sees length and amplitude alone.",
+                response of linear oscillators as a control, and VHGP-Seq's surrogate on a Latin hypercube; dotted the least of \
+                an unbiased estimate by a smooth normal model of the roll over length and amplitude.",
         look_for: "How narrow the blue band is with 120 samples, and how many random samples have the same error in (b): the \
                    paper finds more than a thousand.",
     },

@@ -45,6 +45,10 @@ impl Stage for Findings {
     );
     type Output = Published;
 
+    fn check(p: &Params) -> std::result::Result<(), String> {
+        p.findings.check().map_err(|why| format!("findings.{why}"))
+    }
+
     fn run(
         p: &Params,
         (exceedance, moments, temporal, table1, sequential): (

@@ -115,6 +115,26 @@ fn wrong_types() {
             &["@2: vhgp_seq.standardise: expected a boolean, found integer `1`"],
         ),
         (
+            "[findings]\nrealisations = 1\n",
+            &["findings.realisations: expected at least 2, found 1"],
+        ),
+        (
+            "[findings]\nagreement = -1.0\n",
+            &["findings.agreement: expected a number > 0, found -1"],
+        ),
+        (
+            "[linear_response]\namplitudes = [0.5, 1e200]\n",
+            &["linear_response.amplitudes: expected numbers above 0 and up to 10, at least one, found"],
+        ),
+        (
+            "[vhgp_best]\ncap = 1.0\n",
+            &["vhgp_best.cap: expected more than 1 (theta_t), found 1"],
+        ),
+        (
+            "[vhgp_control]\nresponse_scale = \"log\"\n",
+            &["vhgp_control.response_scale", "log"],
+        ),
+        (
             "[run]\nseed = 1979-05-27\n",
             &["@2: run.seed: expected a whole number >= 0, found 1979-05-27"],
         ),
