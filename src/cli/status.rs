@@ -155,7 +155,7 @@ fn files(session: &Session, store: &Store, plan: &Plan<'_>) -> Vec<(String, Stat
     for (node, prefix) in publish::layout(&session.graph, SHIP, &session.ships) {
         let stem = session.graph.nodes[node].node.name();
         if !plan.is_cached(node) {
-            let existing = ["svg", "csv", "md", "tex"].map(|extension| format!("{prefix}{stem}.{extension}"));
+            let existing = ["svg", "csv", "md", "tex", "html"].map(|extension| format!("{prefix}{stem}.{extension}"));
             let states = existing.map(|path| (ours.state(&session.figures.join(&path), None), path));
             let there: Vec<_> = states
                 .into_iter()
