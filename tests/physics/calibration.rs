@@ -242,6 +242,14 @@ fn least_squares_solves_what_it_can_and_stays_in_bounds() {
     assert!(x[0] >= 0.2, "{x:?}");
 }
 
+#[test]
+fn a_long_step_is_shortened_as_a_whole_and_keeps_its_direction() {
+    let residuals = |x: &Vec<f64>| vec![100.0 * (x[0] - 1.5), 3.0 * (x[1] - 0.3)];
+    let batch = |points: &[Vec<f64>]| points.iter().map(residuals).collect();
+    let x = least_squares(&[0.0, 0.0], &[[-2.0, 2.0]; 2], 1, batch);
+    assert!((x[0] - 0.15).abs() < 1e-3 && (x[1] - 0.03).abs() < 1e-3, "{x:?}");
+}
+
 fn tally(above: [usize; 3], groups: usize) -> Tally {
     let counts = above.map(|above| {
         let r: Vec<f64> = (0..groups).map(|i| if i < above { 1.0 } else { 0.0 }).collect();
