@@ -9,7 +9,7 @@ quick:   ; cargo run --release -- run --profile quick
 tiny:    ; cargo run --release -- run --profile tiny
 calibration: ; cargo run --release -- run calibration
 test:    ; cargo test --release
-verify:  ; cargo run --release -- verify --lock
+verify:  ; cargo run --release -- verify --lock && cargo run --release -- verify --lock calibration
 verify-cpus: ; tests/verify_cpus.sh
 compare: ; cargo build --release && tests/compare/run
 bench:   ; cargo bench
