@@ -190,7 +190,7 @@ def cache_flip(_, parent):
 
 def imported_edit(_, parent):
     bench = Bench(parent)
-    with Edited(IMPORTED, "let restoring = (self.beta_1 +", "let restoring = (self.beta_1 * 1.001 +"):
+    with Edited(IMPORTED, "let restoring = (forcing.stiffness[i] +", "let restoring = (forcing.stiffness[i] * 1.001 +"):
         return told(stages(bench.must_run()), ["gen", "mid", "fig"])
 
 
