@@ -5,7 +5,7 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use crate::design::convergence::{Convergence as Methods, Spread};
-use crate::design::floor::Floor;
+use crate::design::floor::Floors;
 use crate::design::response_pool::RandomEstimates;
 use crate::design::sequential::Realisation;
 use crate::engine::arrow::{All, One, PiecesOf};
@@ -30,7 +30,7 @@ impl Stage for Convergence {
     const NAME: &'static str = "convergence";
     const PAPER: &'static str = "§4";
     const SELECTS: &'static [Select] = &[Select::Rows(SEA, "vhgp_seq.case")];
-    const SCHEMA: &'static str = "convergence/1";
+    const SCHEMA: &'static str = "convergence/2";
     type Params = Params;
     type Inputs = (
         All<VhgpSeq>,
@@ -44,13 +44,13 @@ impl Stage for Convergence {
 
     fn run(
         _: &Params,
-        (sequential, best, control, lhs, random, floor): (
+        (sequential, best, control, lhs, random, floors): (
             PiecesOf<'_, Realisation>,
             PiecesOf<'_, Realisation>,
             PiecesOf<'_, Realisation>,
             PiecesOf<'_, Realisation>,
             PiecesOf<'_, RandomEstimates>,
-            Arc<Option<Floor>>,
+            Arc<Floors>,
         ),
         _: Here<'_>,
     ) -> Result<Methods> {
@@ -65,7 +65,7 @@ impl Stage for Convergence {
             control: spread(&control)?,
             lhs: spread(&lhs)?,
             random: Spread::of(&random?),
-            floor: *floor,
+            floors: *floors,
         })
     }
 }

@@ -1,24 +1,26 @@
-//! §4 What no unbiased estimate over (L, A) can go below, from all responses of the pool.
+//! §4 What no unbiased estimate over (L, A), or with the control, can go below, from all responses of the pool.
 
 use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use crate::design::floor::{Floor, floor};
+use crate::design::floor::{Floors, floor};
 use crate::design::quadrature::Quadrature;
 use crate::design::response_pool::ResponsePool as Responses;
 use crate::design::settings::Case;
-use crate::engine::arrow::One;
+use crate::engine::arrow::{All, One, PiecesOf};
 use crate::engine::error::{Error, Result};
 use crate::engine::stage::{Here, Select, Stage};
 use crate::numerics::elementary::ln;
+use crate::ship::linear_response::LinearResponses;
 use crate::stages::axes::SEA;
+use crate::stages::linear_response::LinearResponse;
 use crate::stages::response_pool::ResponsePool;
 
-/// The floor of one case of Table 1; none where no group exceeds the threshold.
+/// The floors of one case of Table 1.
 pub struct SamplingFloor;
 
-/// Parameters of the floor.
+/// Parameters of the floors.
 #[derive(Serialize, Deserialize)]
 pub struct Params {
     vhgp_seq: Shared,
@@ -38,10 +40,12 @@ pub struct Shared {
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Settings {
-    /// Nodes along ln L/T_p and A/H_s.
+    /// Nodes along each coordinate.
     nodes: [u32; 2],
     /// Standard deviation of the kernels at the nodes, in (ln L/T_p, A/H_s).
     bandwidth: [f64; 2],
+    /// The same in (z/θ_t, A/H_s).
+    control_bandwidth: [f64; 2],
     /// Degree of the polynomials a method is to find.
     degree: u32,
 }
@@ -50,40 +54,56 @@ impl Stage for SamplingFloor {
     const NAME: &'static str = "sampling_floor";
     const PAPER: &'static str = "§4";
     const SELECTS: &'static [Select] = &[Select::Rows(SEA, "vhgp_seq.case")];
-    const SCHEMA: &'static str = "sampling-floor/1";
+    const SCHEMA: &'static str = "sampling-floors/1";
     type Params = Params;
-    type Inputs = (One<ResponsePool>,);
-    type Output = Option<Floor>;
+    type Inputs = (One<ResponsePool>, All<LinearResponse>);
+    type Output = Floors;
 
     fn check(p: &Params) -> std::result::Result<(), String> {
-        let Settings { nodes, bandwidth, .. } = &p.sampling_floor;
-        if nodes.iter().any(|n| *n < 2) {
+        let settings = &p.sampling_floor;
+        if settings.nodes.iter().any(|n| *n < 2) {
+            let nodes = settings.nodes;
             return Err(format!(
                 "sampling_floor.nodes: expected whole numbers >= 2, found {nodes:?}"
             ));
         }
-        if bandwidth.iter().all(|b| b.is_finite() && *b > 0.0) {
-            return Ok(());
+        for (key, bandwidth) in [
+            ("bandwidth", settings.bandwidth),
+            ("control_bandwidth", settings.control_bandwidth),
+        ] {
+            if !bandwidth.iter().all(|b| b.is_finite() && *b > 0.0) {
+                return Err(format!(
+                    "sampling_floor.{key}: expected numbers > 0, found {bandwidth:?}"
+                ));
+            }
         }
-        Err(format!(
-            "sampling_floor.bandwidth: expected numbers > 0, found {bandwidth:?}"
-        ))
+        Ok(())
     }
 
-    fn run(p: &Params, (responses,): (Arc<Responses>,), _: Here<'_>) -> Result<Option<Floor>> {
+    fn run(
+        p: &Params,
+        (responses, linear): (Arc<Responses>, PiecesOf<'_, LinearResponses>),
+        _: Here<'_>,
+    ) -> Result<Floors> {
         let row = p
             .vhgp_seq
             .case
             .first()
             .ok_or_else(|| Error::stage("no row of vhgp_seq.case names this sea"))?;
-        let Settings {
-            nodes,
-            bandwidth,
-            degree,
-        } = p.sampling_floor;
-        let x: Vec<[f64; 2]> = responses.points.iter().map(|x| [ln(x[0]), x[1]]).collect();
-        let quadrature = Quadrature::new(&x, nodes);
-        let levels = (row.theta_t, p.vhgp_seq.cap);
-        Ok(floor((&x, &responses.r), levels, &quadrature, bandwidth, degree))
+        let settings = &p.sampling_floor;
+        let of = |x: &[[f64; 2]], bandwidth: [f64; 2]| {
+            let quadrature = Quadrature::new(x, settings.nodes);
+            let levels = (row.theta_t, p.vhgp_seq.cap);
+            floor((x, &responses.r), levels, &quadrature, bandwidth, settings.degree)
+        };
+        let mut z = Vec::with_capacity(responses.r.len());
+        for piece in linear.iter() {
+            z.extend_from_slice(&piece?.z);
+        }
+        let groups: Vec<[f64; 2]> = responses.points.iter().map(|x| [ln(x[0]), x[1]]).collect();
+        Ok(Floors {
+            groups: of(&groups, settings.bandwidth),
+            control: of(&responses.with_control(&z, row.theta_t), settings.control_bandwidth),
+        })
     }
 }

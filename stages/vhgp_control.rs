@@ -56,13 +56,11 @@ impl Stage for VhgpControl {
             .case
             .first()
             .ok_or_else(|| Error::stage("no row of vhgp_seq.case names this sea"))?;
-        let mut points: Vec<[f64; 2]> = Vec::with_capacity(responses.points.len());
+        let mut z = Vec::with_capacity(responses.r.len());
         for piece in linear.iter() {
-            for z in &piece?.z {
-                let amplitude = responses.points.get(points.len()).map(|x| x[1]);
-                points.extend(amplitude.map(|a| [z / row.theta_t, a]));
-            }
+            z.extend_from_slice(&piece?.z);
         }
+        let points = responses.with_control(&z, row.theta_t);
         let input = Input::on_nodes(Quadrature::new(&points, p.vhgp_control.quadrature));
         let pool = Pool::new(&points);
         let mut used = Used::default();

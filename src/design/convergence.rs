@@ -2,7 +2,7 @@
 //!
 //! Tested in `tests/physics/convergence.rs`.
 
-use super::floor::Floor;
+use super::floor::Floors;
 use crate::numerics::sums::{mean, standard_deviation};
 use serde::{Deserialize, Serialize};
 
@@ -59,6 +59,6 @@ pub struct Convergence {
     pub lhs: Spread,
     /// Random sampling.
     pub random: Spread,
-    /// What no method that sees (L, A) alone goes below.
-    pub floor: Option<Floor>,
+    /// What no unbiased estimate goes below.
+    pub floors: Floors,
 }

@@ -38,6 +38,15 @@ pub struct Floor {
     pub model_probability: f64,
 }
 
+/// The floors of the kinds of methods in use; none where no group exceeds the threshold.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Floors {
+    /// Of those that see (ln L/T_p, A/H_s).
+    pub groups: Option<Floor>,
+    /// Of those that see (z/θ_t, A/H_s).
+    pub control: Option<Floor>,
+}
+
 /// What is known of the pool at every node of a quadrature, by Gaussian kernels.
 struct Local {
     /// π, the share of exceedances.

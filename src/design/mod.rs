@@ -27,3 +27,4 @@ pub mod response_scale;
 pub mod sequence;
 pub mod sequential;
 pub mod settings;
+pub mod targeted;

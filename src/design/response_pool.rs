@@ -15,6 +15,14 @@ pub struct ResponsePool {
     pub density: Vec<f64>,
 }
 
+impl ResponsePool {
+    /// (z/θ_t, A/H_s) of every group (N), z its linear response, rad; as many as the shorter of both has.
+    pub fn with_control(&self, z: &[f64], theta_t: f64) -> Vec<[f64; 2]> {
+        let both = z.iter().zip(&self.points);
+        both.map(|(z, x)| [z / theta_t, x[1]]).collect()
+    }
+}
+
 /// One realisation of random sampling.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RandomEstimates {

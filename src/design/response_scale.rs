@@ -7,11 +7,10 @@
 use serde::{Deserialize, Serialize};
 
 /// A map that keeps order, and the sign.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ResponseScale {
     /// y itself.
-    #[default]
     Identity,
     /// sign(y) sqrt|y|.
     SquareRoot,

@@ -7,6 +7,7 @@ use super::estimate::{probability, share_above};
 use super::look_ahead;
 use super::quadrature::Quadrature;
 use super::sequential::{Design, Input, Plan, Realisation};
+use super::targeted;
 use crate::gp::fit::Fit;
 use crate::gp::vhgp::Vhgp;
 use crate::numerics::elementary::ln;
@@ -146,10 +147,17 @@ impl<'a> Sequence<'a> {
 
     /// Records P_est; without any model the share of exceedances.
     fn record(&mut self) {
-        let estimate = self.model.as_ref().map_or_else(
-            || share_above(&self.realisation.y, self.threshold),
-            |m| probability(&m.vhgp, &self.input.quadrature, m.threshold),
-        );
+        let (quadrature, deviation) = (&self.input.quadrature, self.design.log_odds_deviation);
+        let estimate = match &self.model {
+            None => share_above(&self.realisation.y, self.threshold),
+            // A fit that failed leaves a model of fewer samples.
+            Some(m) if deviation > 0.0 => {
+                let modelled = &self.realisation.y[..m.y.len()];
+                let above: Vec<bool> = modelled.iter().map(|y| *y > self.threshold).collect();
+                targeted::probability(&m.vhgp, (&m.y, &above), quadrature, m.threshold, deviation)
+            }
+            Some(m) => probability(&m.vhgp, quadrature, m.threshold),
+        };
         self.realisation.n_samples.push(self.realisation.points.len() as u32);
         self.realisation.estimate.push(estimate);
     }

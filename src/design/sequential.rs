@@ -28,6 +28,8 @@ pub struct Design {
     pub scale: ResponseScale,
     /// Whether the model sees (y - mean)/sd of the current samples, or y itself, on its scale.
     pub standardise: bool,
+    /// s of the targeted estimate; 0 for the model's own, (Q2).
+    pub log_odds_deviation: f64,
     /// How the model is fitted.
     pub fit: Fitting,
     /// Where samples are taken.

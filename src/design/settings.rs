@@ -121,6 +121,7 @@ impl VhgpSeq {
             cap: self.cap,
             scale: ResponseScale::Identity,
             standardise: self.standardise,
+            log_odds_deviation: 0.0,
             fit: self.fit.clone(),
             plan,
         }
@@ -157,6 +158,9 @@ pub struct LookAhead {
     pub cap: f64,
     /// The scale on which the model is normal.
     pub response_scale: ResponseScale,
+    /// By how much, one standard deviation of its logarithm, the samples' odds of exceeding may be off the model's; 0 leaves
+    /// the estimate to the model.
+    pub log_odds_deviation: f64,
     /// Kernel of the mean.
     pub k_f: KernelSpan,
     /// Kernel of the log noise variance.
@@ -170,6 +174,7 @@ impl LookAhead {
         let mut design = shared.laid_out(plan);
         (design.initial, design.batch) = (self.initial, self.batch);
         (design.cap, design.scale) = (self.cap * theta_t, self.response_scale);
+        design.log_odds_deviation = self.log_odds_deviation;
         (design.fit.k_f, design.fit.k_g) = (self.k_f.clone(), self.k_g.clone());
         design
     }
@@ -196,6 +201,10 @@ impl LookAhead {
         }
         if self.cap <= 1.0 {
             return Err(format!("cap: expected more than 1 (theta_t), found {}", self.cap));
+        }
+        let deviation = self.log_odds_deviation;
+        if !(deviation.is_finite() && deviation >= 0.0) {
+            return Err(format!("log_odds_deviation: expected a number >= 0, found {deviation}"));
         }
         let fit = self.design(shared, 1.0).fit.check(2);
         fit.map_err(|why| why.trim_start_matches("fit.").to_owned())

@@ -19,5 +19,6 @@ pub mod elbo_gradient;
 pub mod fit;
 pub mod grid;
 pub mod kernel;
+pub mod left_out;
 pub mod standard;
 pub mod vhgp;

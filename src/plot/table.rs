@@ -27,7 +27,7 @@ pub struct Estimate {
     pub std: f64,
 }
 
-/// What no method goes below: standard deviations from one sample relative to P_true; divide by √n.
+/// What no unbiased estimate goes below: standard deviations from one sample relative to P_true; divide by √n.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Floor {
     /// Optimal importance sampling.
@@ -72,8 +72,10 @@ pub struct Row {
     pub control: Option<Estimate>,
     /// The surrogate on a Latin hypercube.
     pub lhs: Option<Estimate>,
-    /// What no method goes below.
+    /// What no unbiased estimate over (L, A) goes below.
     pub floor: Option<Floor>,
+    /// The same of methods that see the control in place of L.
+    pub control_floor: Option<Floor>,
     /// The paper's row for the sea, if it has one at this threshold.
     pub paper: Option<Printed>,
 }

@@ -13,7 +13,7 @@ use super::table::{Estimate, Floor, NOTHING, Table};
 /// Bias, standard deviation and root mean square error in % of P_true, beside what an unbiased estimate over (L, A) cannot go below.
 pub(super) fn errors(table: &Table) -> String {
     let mut text = String::from(
-        "| sea | VHGP-Seq: bias, std, rmse | look-ahead | control | hypercube | floor: importance sampling | floor: smooth model | samples for the paper's std |\n\
+        "| sea | VHGP-Seq: bias, std, rmse | look-ahead | control | hypercube | floors over (L, A) | floors with the control | samples for the paper's std |\n\
          |---|---|---|---|---|---|---|---|\n",
     );
     let root = (table.samples as f64).sqrt();
@@ -26,10 +26,11 @@ pub(super) fn errors(table: &Table) -> String {
             }
             _ => NOTHING.to_owned(),
         };
-        let floor = |of: fn(&Floor) -> f64| {
-            row.floor
-                .as_ref()
-                .map_or(NOTHING.to_owned(), |floor| format!("{:.1}", 100.0 * of(floor) / root))
+        let floors = |floor: Option<Floor>| {
+            floor.map_or(NOTHING.to_owned(), |floor| {
+                let [importance, model] = [floor.importance, floor.model].map(|floor| 100.0 * floor / root);
+                format!("{importance:.1}, {model:.1}")
+            })
         };
         let needed = row.floor.zip(row.paper).map(|(floor, paper)| {
             let ratio = 100.0 * floor.model / paper.sequential_std_percent;
@@ -41,15 +42,16 @@ pub(super) fn errors(table: &Table) -> String {
             error(row.best),
             error(row.control),
             error(row.lhs),
-            floor(|floor| floor.importance),
-            floor(|floor| floor.model),
+            floors(row.floor),
+            floors(row.control_floor),
             needed.unwrap_or(NOTHING.to_owned()),
         ];
         let _ = writeln!(text, "| {} |", line.join(" | "));
     }
     format!(
-        "{text}\nIn % of P_true. Floors for {} samples that see (L, A) alone, as all but `control` do: optimal importance sampling, and the \
-         Cramer-Rao bound of a smooth mean and variance; last column: samples at which that bound is the paper's std.\n",
+        "{text}\nIn % of P_true. Floors for {} samples that see (L, A) alone, as all but `control` do, and for those that see z and A: optimal \
+         importance sampling, which assumes no law, and the Cramer-Rao bound of a normal law with smooth mean and variance; last column: \
+         samples at which that bound over (L, A) is the paper's std.\n",
         table.samples
     )
 }

@@ -69,7 +69,7 @@ impl Stage for Fig5VhgpSeq {
             best: estimates(&methods.best),
             control: estimates(&methods.control),
             lhs: estimates(&methods.lhs),
-            floor: methods.floor.map(|floor| floor.model),
+            floor: methods.floors.groups.map(|floor| floor.model),
         };
         let svg = draw(&figure).map_err(refused)?;
         Ok(Published::new(Self::NAME, [("svg", svg), ("csv", csv(&figure))]))

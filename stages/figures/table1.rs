@@ -4,6 +4,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::design::convergence::{Convergence as Spreads, Spread};
+use crate::design::floor::Floor;
 use crate::design::settings::Case;
 use crate::engine::arrow::{CaseOf, Cases};
 use crate::engine::case::Axis;
@@ -103,10 +104,8 @@ impl Stage for Table1 {
                 best: at(&known.best),
                 control: at(&known.control),
                 lhs: at(&known.lhs),
-                floor: known.floor.map(|floor| table::Floor {
-                    importance: floor.importance,
-                    model: floor.model,
-                }),
+                floor: known.floors.groups.map(of_floor),
+                control_floor: known.floors.control.map(of_floor),
                 paper: p.printed(case),
             };
             if let Some(truth) = truth {
@@ -126,6 +125,13 @@ impl Stage for Table1 {
             ("tex", latex(&table)),
         ];
         Ok(Published::new(Self::NAME, texts))
+    }
+}
+
+fn of_floor(floor: Floor) -> table::Floor {
+    table::Floor {
+        importance: floor.importance,
+        model: floor.model,
     }
 }
 

@@ -2,11 +2,14 @@
 
 use encounter::gp::elbo::Elbo;
 use encounter::gp::fit::{Fitting, KernelSpan, Span};
+use encounter::gp::kernel::Ard;
+use encounter::gp::left_out::left_out;
 use encounter::gp::standard::{Likelihood, Standard};
 use encounter::gp::vhgp::Vhgp;
 use encounter::numerics::elementary::{exp, ln, sin};
 use encounter::numerics::normal::from_uniform;
 use encounter::numerics::random::uniform;
+use nalgebra::{DMatrix, DVector};
 use rand_chacha::ChaCha12Rng;
 use rand_chacha::rand_core::SeedableRng;
 
@@ -46,6 +49,52 @@ fn random_problem(n: usize) -> (Vec<[f64; 2]>, Vec<f64>, Vec<f64>, ChaCha12Rng) 
     let mut theta: Vec<f64> = (0..n).map(|_| 2.0 * uniform(&mut stream) - 1.5).collect();
     theta.extend([0.7, 0.1, -0.9, -0.2, 0.5, -0.3, -1.4]);
     (x, y, theta, stream)
+}
+
+/// Conditional mean of a zero-mean normal vector with covariance `k` at place i, from the others' observations of their own
+/// places with these variances: by elimination, as in a textbook.
+fn conditional(k: &DMatrix<f64>, i: usize, observed: &[f64], variance: &[f64]) -> f64 {
+    let others: Vec<usize> = (0..k.nrows()).filter(|j| *j != i).collect();
+    let n = others.len();
+    let covariance = DMatrix::from_fn(n, n, |a, b| {
+        k[(others[a], others[b])] + if a == b { variance[others[a]] } else { 0.0 }
+    });
+    let y = DVector::from_fn(n, |a, _| observed[others[a]]);
+    let weights = covariance.lu().solve(&y).expect("positive definite");
+    (0..n).map(|a| k[(i, others[a])] * weights[a]).sum()
+}
+
+#[test]
+fn a_sample_left_out_is_predicted_from_the_others() {
+    let n = 25;
+    let (x, y, theta, _) = random_problem(n);
+    let model = Vhgp::new(&x, &y, &theta, 1e-9).expect("positive definite");
+    let kernel = |k: &Ard| {
+        let one = |a: &[f64; 2], b: &[f64; 2]| {
+            let squares = (0..2).map(|d| ((a[d] - b[d]) / k.length[d]).powi(2));
+            k.variance * exp(-0.5 * squares.sum::<f64>())
+        };
+        DMatrix::from_fn(n, n, |i, j| one(&x[i], &x[j]))
+    };
+    let (k_f, k_g) = (kernel(&model.parameters.k_f), kernel(&model.parameters.k_g));
+    let known = model.predict(&x);
+    let noise: Vec<f64> = known.iter().map(|p| exp(p.g_m - 0.5 * p.g_v)).collect();
+    // q(g) is the prior times a normal term per sample: precision λ, and what makes the mean μ.
+    let mu_0 = model.parameters.mu_0;
+    let lambda = &model.parameters.lambda;
+    let terms: Vec<f64> = known
+        .iter()
+        .zip(lambda)
+        .map(|(p, l)| (p.g_m - mu_0) + (l - 0.5) / l)
+        .collect();
+    let variances: Vec<f64> = lambda.iter().map(|l| 1.0 / l).collect();
+    let found = left_out(&model, &y);
+    for i in 0..n {
+        let f = conditional(&k_f, i, &y, &noise);
+        let g = mu_0 + conditional(&k_g, i, &terms, &variances);
+        close("f left out", &[found.f[i]], &[f], 1e-6);
+        close("g left out", &[found.g[i]], &[g], 1e-6);
+    }
 }
 
 #[test]

@@ -31,6 +31,7 @@ mod seas;
 mod self_test;
 mod sums;
 mod surrogate;
+mod targeted;
 mod temporal;
 mod traps;
 mod wave_field;

@@ -267,6 +267,10 @@ pub(crate) fn table() -> table::Table {
             importance: 3.0,
             model: 1.5,
         }),
+        control_floor: sequential.map(|_| table::Floor {
+            importance: 2.0,
+            model: 1.0,
+        }),
         paper,
     };
     let mut rows = vec![

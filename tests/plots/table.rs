@@ -47,10 +47,10 @@ fn what_is_not_known_is_a_dash_in_print_and_empty_in_the_csv() {
 #[test]
 fn the_markdown_has_every_error_beside_its_floor() {
     let text = table::markdown(&samples::table());
-    // Bias -1.7, std 5.9; floors 300/√120 and 150/√120; (150/5)² samples.
+    // Bias -1.7, std 5.9; floors 300, 150, 200, 100 over √120; (150/5)² samples.
     assert!(
         text.contains(
-            "| S1 | −1.7, 5.9, 6.1 | −1.7, 5.9, 6.1 | −1.7, 5.9, 6.1 | +0.7, 43.8, 43.8 | 27.4 | 13.7 | 900 |"
+            "| S1 | −1.7, 5.9, 6.1 | −1.7, 5.9, 6.1 | −1.7, 5.9, 6.1 | +0.7, 43.8, 43.8 | 27.4, 13.7 | 18.3, 9.1 | 900 |"
         ),
         "{text}"
     );

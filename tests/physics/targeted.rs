@@ -1,0 +1,175 @@
+//! Claims about the targeted estimate.
+
+use crate::common::paper;
+use encounter::design::estimate;
+use encounter::design::pool::{Pool, Used};
+use encounter::design::quadrature::Quadrature;
+use encounter::design::response_scale::ResponseScale;
+use encounter::design::sequential::{Input, sequential};
+use encounter::design::settings::{LookAhead, VhgpSeq};
+use encounter::design::targeted::{log_odds, probability, weights};
+use encounter::gp::vhgp::Vhgp;
+use encounter::numerics::elementary::{exp, ln};
+use encounter::numerics::normal::from_uniform;
+use encounter::numerics::random::uniform;
+use encounter::numerics::sums::{mean, standard_deviation};
+use rand_chacha::ChaCha12Rng;
+use rand_chacha::rand_core::SeedableRng;
+
+fn odds(q: f64) -> f64 {
+    q / (1.0 - q)
+}
+
+#[test]
+fn the_odds_solve_their_equation() {
+    let q = [0.1, 0.4, 0.02, 0.7, 0.3];
+    let above = [false, true, false, true, true];
+    let weight = [0.5, 1.0, 2.0, 0.7, 1.3];
+    for deviation in [0.3, 2.0, 50.0] {
+        let found = log_odds(&q, &above, &weight, deviation);
+        let mut left = 0.0;
+        for i in 0..5 {
+            let raised = odds(q[i]) * exp(found);
+            left += weight[i] * (f64::from(above[i]) - raised / (1.0 + raised));
+        }
+        let right = found / (deviation * deviation);
+        assert!((left - right).abs() < 1e-12, "s = {deviation}: {left} against {right}");
+    }
+}
+
+#[test]
+fn equal_probabilities_become_the_share_of_exceedances() {
+    let above: Vec<bool> = (0..40).map(|i| i % 8 == 0).collect();
+    let found = log_odds(&[0.5; 40], &above, &[1.0; 40], 1e6);
+    assert!((exp(found) - odds(0.125)).abs() < 1e-9);
+}
+
+#[test]
+fn samples_that_all_or_none_exceed_leave_the_odds_finite() {
+    for (above, sign) in [(true, 1.0), (false, -1.0)] {
+        let found = log_odds(&[0.1; 30], &[above; 30], &[1.0; 30], 2.0);
+        assert!(found * sign > 0.0 && found.abs() < 10.0, "{found}");
+    }
+    // A model that is sure, and wrong.
+    assert!(log_odds(&[0.0; 30], &[true; 30], &[1.0; 30], 2.0).is_finite());
+    assert!(log_odds(&[1.0; 30], &[false; 30], &[1.0; 30], 2.0).is_finite());
+    // No weight, no correction.
+    assert!(log_odds(&[0.1; 3], &[true; 3], &[0.0; 3], 2.0).abs() < 1e-12);
+}
+
+/// 20,000 points of a standard normal pair.
+fn points() -> Vec<[f64; 2]> {
+    let mut s = ChaCha12Rng::seed_from_u64(3);
+    let mut normal = || from_uniform(uniform(&mut s));
+    (0..20_000).map(|_| [normal(), normal()]).collect()
+}
+
+#[test]
+fn samples_of_the_input_weigh_alike_and_others_by_their_ratio() {
+    let points = points();
+    let q = Quadrature::new(&points, [64, 64]);
+    let of_the_input = weights(&points[..400], &q);
+    assert!(
+        standard_deviation(&of_the_input) < 0.25,
+        "{}",
+        standard_deviation(&of_the_input)
+    );
+    assert!((mean(&of_the_input) - 1.0).abs() < 0.1);
+    // Drawn from N(1, 1) along the first coordinate: p/q = exp(1/2 - x).
+    let moved: Vec<[f64; 2]> = points[..2000].iter().map(|x| [x[0] + 1.0, x[1]]).collect();
+    let found = weights(&moved, &q);
+    let slope = {
+        let logs: Vec<f64> = found.iter().map(|w| ln(*w)).collect();
+        let inner: Vec<usize> = (0..2000).filter(|i| (moved[*i][0] - 0.5).abs() < 1.5).collect();
+        let (x, y): (Vec<f64>, Vec<f64>) = inner.iter().map(|i| (moved[*i][0], logs[*i])).unzip();
+        let (mx, my) = (mean(&x), mean(&y));
+        let along: f64 = x.iter().zip(&y).map(|(x, y)| (x - mx) * (y - my)).sum();
+        along / x.iter().map(|x| (x - mx) * (x - mx)).sum::<f64>()
+    };
+    assert!((slope + 1.0).abs() < 0.15, "{slope}");
+    // Kish: the weights tell as much as so many equal ones.
+    let (first, second): (f64, f64) = (found.iter().sum(), found.iter().map(|w| w * w).sum());
+    assert!((first - second).abs() < 1e-9 * first && first < 2000.0);
+}
+
+#[test]
+fn samples_that_do_not_differ_or_lie_far_off_break_nothing() {
+    let q = Quadrature::new(&points(), [16, 16]);
+    for samples in [
+        vec![[0.3, 0.2]; 5],
+        vec![[1e6, 1.0], [1e6 + 1e-3, 2.0]],
+        vec![[0.0, 0.0]],
+    ] {
+        let found = weights(&samples, &q);
+        assert!(found.iter().all(|w| w.is_finite() && *w >= 0.0), "{found:?}");
+    }
+}
+
+/// Responses whose law is not normal: a number less an exponential one, so that a normal tail promises too much.
+fn skewed(points: &[[f64; 2]]) -> Vec<f64> {
+    let mut s = ChaCha12Rng::seed_from_u64(8);
+    let scatter = |s: &mut ChaCha12Rng| 1.0 + ln(1.0 - uniform(s));
+    points
+        .iter()
+        .map(|x| 1.0 + 0.5 * x[0] + 0.2 * x[1] + 0.4 * scatter(&mut s))
+        .collect()
+}
+
+#[test]
+fn it_removes_most_of_the_bias_that_a_wrong_law_leaves() {
+    let points = points();
+    let r = skewed(&points);
+    let threshold = 2.0;
+    let p_true = estimate::share_above(&r, threshold);
+    let (shared, mut own): (VhgpSeq, LookAhead) = (paper::table("vhgp_seq"), paper::table("vhgp_control"));
+    own.cap = 1e9;
+    own.response_scale = ResponseScale::Identity;
+    let input = Input::on_nodes(Quadrature::new(&points, own.quadrature));
+    let pool = Pool::new(&points);
+    let mut mean_over = |deviation: f64| {
+        own.log_odds_deviation = deviation;
+        let design = own.design(&shared, threshold);
+        let last = |seed| {
+            let mut used = Used::default();
+            let respond = |query: [f64; 2], stream: &mut _| {
+                let index = pool.draw(&query, 8, &mut used, stream)?;
+                Some((pool.point(index), r[index as usize]))
+            };
+            let mut stream = ChaCha12Rng::seed_from_u64(seed);
+            *sequential(&design, &input, threshold, respond, &mut stream)
+                .estimate
+                .last()
+                .expect("120 samples")
+        };
+        let all: Vec<f64> = (0..24).map(last).collect();
+        (mean(&all) / p_true - 1.0, standard_deviation(&all) / p_true)
+    };
+    let ((by_model, _), (targeted, deviation)) = (mean_over(0.0), mean_over(2.0));
+    // 24 realisations: a standard error of a fifth of the deviation.
+    assert!(by_model.abs() > 0.15, "the law does not mislead: {by_model}");
+    assert!(
+        targeted.abs() < 0.5 * by_model.abs(),
+        "{targeted} (std {deviation}) against {by_model}"
+    );
+}
+
+#[test]
+fn a_model_that_is_right_keeps_its_estimate() {
+    let points = points();
+    let mut s = ChaCha12Rng::seed_from_u64(21);
+    let y: Vec<f64> = points[..150]
+        .iter()
+        .map(|x| x[0] + 0.3 * from_uniform(uniform(&mut s)))
+        .collect();
+    let shared: VhgpSeq = paper::table("vhgp_seq");
+    let fit = shared.fit.fit(&points[..150], &y, None, &mut s).expect("fits");
+    let model = Vhgp::new(&points[..150], &y, &fit.theta, shared.fit.jitter).expect("positive definite");
+    let q = Quadrature::new(&points, [48, 48]);
+    let above: Vec<bool> = y.iter().map(|y| *y > 1.0).collect();
+    let own = estimate::probability(&model, &q, 1.0);
+    let found = probability(&model, (&y, &above), &q, 1.0, 2.0);
+    assert!((found / own - 1.0).abs() < 0.25, "{found} against {own}");
+    // The smaller s, the nearer to the model.
+    let near = probability(&model, (&y, &above), &q, 1.0, 0.01);
+    assert!((near / own - 1.0).abs() < 1e-3, "{near} against {own}");
+}
