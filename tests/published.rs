@@ -108,6 +108,26 @@ fn random_sampling_scatters_as_the_binomial_law_says() {
 }
 
 #[test]
+fn the_page_shows_every_table_in_force() {
+    let page = read("figures/index.html");
+    let parameters: toml::Table = read("stages/paper.toml").parse().expect("the parameters parse");
+    let seas = parameters["sea"].as_table().expect("tables");
+    assert!(seas.len() >= 4);
+    for (name, sea) in seas {
+        let shown = page.split_once(&format!("[sea.{name}]\n")).expect("the sea is shown").1;
+        let shown = shown.split_once("\n\n").expect("a table ends").0;
+        for (key, value) in sea.as_table().expect("a table") {
+            let value = value.to_string().replace('"', "&quot;");
+            assert!(
+                shown.lines().any(|line| line == format!("{key} = {value}")),
+                "{name}.{key} = {value}: {shown}"
+            );
+        }
+    }
+    assert!(!page.contains(" = null"));
+}
+
+#[test]
 fn the_readme_shows_the_committed_table() {
     let readme = read("README.md");
     let percent = |row: &Row, mean: &str, sd: &str| 100.0 * number(row, sd) / number(row, mean);

@@ -7,7 +7,7 @@ use super::estimate::{probability, share_above};
 use super::look_ahead;
 use super::quadrature::Quadrature;
 use super::sequential::{Design, Input, Plan, Realisation};
-use super::targeted;
+use super::targeted::Targeted;
 use crate::gp::fit::Fit;
 use crate::gp::vhgp::Vhgp;
 use crate::numerics::elementary::ln;
@@ -103,13 +103,30 @@ impl<'a> Sequence<'a> {
         }
     }
 
-    /// The standard deviation of the estimate by the model itself, of first order; `None` without a model.
+    /// The standard deviation of the estimate, of first order; `None` without a model.
     ///
-    /// It knows what the samples leave open of f and g, not whether the normal law holds.
+    /// The model's own knows what the samples leave open of f and g, not whether the normal law holds; a targeted
+    /// estimate adds how the samples scatter about it.
     pub fn deviation(&self) -> Option<f64> {
         let m = self.model.as_ref()?;
-        let variance = look_ahead::variance(&m.vhgp, &self.input.quadrature, m.threshold);
-        (variance >= 0.0).then(|| variance.sqrt())
+        let quadrature = &self.input.quadrature;
+        let variance = look_ahead::variance(&m.vhgp, quadrature, m.threshold);
+        let deviation = match self.targeted() {
+            Some(targeted) => targeted.deviation(&m.vhgp, quadrature, m.threshold, variance),
+            None => variance.sqrt(),
+        };
+        // Rounding may make a variance of nothing negative.
+        (variance >= 0.0).then_some(deviation)
+    }
+
+    /// How the samples correct the model, if the design wants it and there is a model.
+    fn targeted(&self) -> Option<Targeted> {
+        let (m, deviation) = (self.model.as_ref()?, self.design.log_odds_deviation);
+        // A fit that failed leaves a model of fewer samples.
+        let modelled = self.realisation.y[..m.y.len()].iter();
+        let above: Vec<bool> = modelled.map(|y| *y > self.threshold).collect();
+        (deviation > 0.0)
+            .then(|| Targeted::new(&m.vhgp, (&m.y, &above), &self.input.quadrature, m.threshold, deviation))
     }
 
     /// Fits all samples; a failure is counted and leaves the model before in place.
@@ -147,16 +164,11 @@ impl<'a> Sequence<'a> {
 
     /// Records P_est; without any model the share of exceedances.
     fn record(&mut self) {
-        let (quadrature, deviation) = (&self.input.quadrature, self.design.log_odds_deviation);
-        let estimate = match &self.model {
-            None => share_above(&self.realisation.y, self.threshold),
-            // A fit that failed leaves a model of fewer samples.
-            Some(m) if deviation > 0.0 => {
-                let modelled = &self.realisation.y[..m.y.len()];
-                let above: Vec<bool> = modelled.iter().map(|y| *y > self.threshold).collect();
-                targeted::probability(&m.vhgp, (&m.y, &above), quadrature, m.threshold, deviation)
-            }
-            Some(m) => probability(&m.vhgp, quadrature, m.threshold),
+        let quadrature = &self.input.quadrature;
+        let estimate = match (&self.model, self.targeted()) {
+            (None, _) => share_above(&self.realisation.y, self.threshold),
+            (Some(m), Some(targeted)) => targeted.probability(&m.vhgp, quadrature, m.threshold),
+            (Some(m), None) => probability(&m.vhgp, quadrature, m.threshold),
         };
         self.realisation.n_samples.push(self.realisation.points.len() as u32);
         self.realisation.estimate.push(estimate);

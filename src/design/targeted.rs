@@ -26,27 +26,65 @@ const HALVINGS: u32 = 60;
 /// Odds are e³⁰ times the model's at most.
 const LARGEST_LOG_ODDS: f64 = 30.0;
 
-/// P_est over the nodes of a quadrature, from a model of the responses `y` (n), of which those `above` (n) exceeded the
-/// threshold; `deviation` is s > 0.
-pub fn probability(
-    model: &Vhgp<2>,
-    (y, above): (&[f64], &[bool]),
-    quadrature: &Quadrature,
-    threshold: f64,
-    deviation: f64,
-) -> f64 {
-    let left_out = left_out(model, y);
-    let q: Vec<f64> = left_out
-        .f
-        .iter()
-        .zip(&left_out.g)
-        .map(|(f, g)| exceedance(*f, *g, threshold))
-        .collect();
-    let odds = exp(log_odds(&q, above, &weights(&model.x, quadrature), deviation));
-    let means = means_on(model, &quadrature.axes);
-    let term = |i: &usize| quadrature.weight[*i] * raised(exceedance(means.f[*i], means.g[*i], threshold), odds);
-    let terms: Vec<f64> = quadrature.support.iter().map(term).collect();
-    sum(&terms)
+/// By how much the samples raise a model's odds of exceeding.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Targeted {
+    /// ln ω.
+    pub log_odds: f64,
+    /// Variance of ln ω by the scatter of the samples: Σ w² (e - Q⁻(ω))² over the square of the information.
+    pub variance: f64,
+    /// The share of the model's own error that the samples leave: 1/s² of the information Σ w Q⁻(ω)(1 - Q⁻(ω)) + 1/s².
+    pub left: f64,
+}
+
+impl Targeted {
+    /// From a model of the responses `y` (n), of which those `above` (n) exceeded the threshold; `deviation` is s > 0.
+    pub fn new(
+        model: &Vhgp<2>,
+        (y, above): (&[f64], &[bool]),
+        quadrature: &Quadrature,
+        threshold: f64,
+        deviation: f64,
+    ) -> Self {
+        let left_out = left_out(model, y);
+        let pairs = left_out.f.iter().zip(&left_out.g);
+        let q: Vec<f64> = pairs.map(|(f, g)| exceedance(*f, *g, threshold)).collect();
+        let weight = weights(&model.x, quadrature);
+        let log_odds = log_odds(&q, above, &weight, deviation);
+        let (mut scatter, mut information) = (0.0, 1.0 / (deviation * deviation));
+        let prior = information;
+        for ((q, above), w) in q.iter().zip(above).zip(&weight) {
+            let q = raised(*q, exp(log_odds));
+            let error = w * (f64::from(*above) - q);
+            scatter += error * error;
+            information += w * q * (1.0 - q);
+        }
+        Self {
+            log_odds,
+            variance: scatter / (information * information),
+            left: prior / information,
+        }
+    }
+
+    /// P_est over the nodes of a quadrature.
+    pub fn probability(&self, model: &Vhgp<2>, quadrature: &Quadrature, threshold: f64) -> f64 {
+        self.mean(model, quadrature, threshold, |q| q)
+    }
+
+    /// The standard deviation of P_est, of first order, if `own` is the variance of the model's own estimate.
+    pub fn deviation(&self, model: &Vhgp<2>, quadrature: &Quadrature, threshold: f64, own: f64) -> f64 {
+        // ∂P_est/∂ln ω.
+        let slope = self.mean(model, quadrature, threshold, |q| q * (1.0 - q));
+        (self.left * self.left * own + slope * slope * self.variance).sqrt()
+    }
+
+    /// The mean over all inputs of `of` Q(ω).
+    fn mean(&self, model: &Vhgp<2>, quadrature: &Quadrature, threshold: f64, of: impl Fn(f64) -> f64) -> f64 {
+        let (means, odds) = (means_on(model, &quadrature.axes), exp(self.log_odds));
+        let q = |i: usize| raised(exceedance(means.f[i], means.g[i], threshold), odds);
+        let terms = quadrature.support.iter().map(|i| quadrature.weight[*i] * of(q(*i)));
+        sum(&terms.collect::<Vec<f64>>())
+    }
 }
 
 /// A probability with its odds times ω.

@@ -240,17 +240,25 @@ impl ParamsFile {
         paths
     }
 
-    /// What a node sees: `tables` of the file, those of axes as selected by `case`, rows of `rows` that name the case,
-    /// no counts; and the table `case` with the axis values, for a stage that prints them.
+    /// What a node sees: `tables` of the file, those of axes as selected by `case`, or all in force by their names if it
+    /// selects none, rows of `rows` that name the case, no counts; and the table `case` with the axis values, for a stage
+    /// that prints them.
     pub fn view(&self, tables: &[&str], axes: &[Axis], case: &Case, counts: &[&str], rows: &[(Axis, &str)]) -> Table {
         let mut view = Table::new();
         for name in tables {
+            let table = |value: &str| self.get(&format!("{name}.{value}")).cloned();
             let value = match axes.iter().find(|axis| axis.table == *name) {
-                Some(axis) => case.value(*axis).and_then(|value| self.get(&format!("{name}.{value}"))),
-                None => self.values.get(*name),
+                Some(axis) => match case.value(*axis) {
+                    Some(value) => table(value),
+                    None => {
+                        let names = self.list(*axis).unwrap_or_default().into_iter();
+                        Some(Value::Table(names.filter_map(|v| table(&v).map(|t| (v, t))).collect()))
+                    }
+                },
+                None => self.values.get(*name).cloned(),
             };
             if let Some(value) = value {
-                view.insert((*name).to_owned(), value.clone());
+                view.insert((*name).to_owned(), value);
             }
         }
         if tables.contains(&CASE) {

@@ -42,13 +42,13 @@ impl Pipeline {
             let read = |axis: &Axis| node.tables().contains(&axis.table);
             let inherited = |axis: &Axis| {
                 let upstream = node.arrows().into_iter().filter_map(|(_, up)| of.get(up.name()));
-                upstream.flatten().any(|other| other == axis) && !node.gathers().contains(axis)
+                upstream.flatten().any(|other| other == axis)
             };
             let axes: Vec<Axis> = self
                 .axes
                 .iter()
                 .copied()
-                .filter(|axis| read(axis) || inherited(axis))
+                .filter(|axis| (read(axis) || inherited(axis)) && !node.gathers().contains(axis))
                 .collect();
             of.insert(node.name(), axes.clone());
             all.push(axes);
@@ -138,6 +138,8 @@ impl Pipeline {
                     .tables()
                     .iter()
                     .filter(|table| **table != CASE)
+                    // The tables of a gathered axis are read whole by who has the axis.
+                    .filter(|table| !node.gathers().iter().any(|axis| axis.table == **table))
                     .map(|table| real_path(table, self.axes, &case))
                     .collect();
                 let ignored: Vec<String> = decoded

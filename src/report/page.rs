@@ -325,7 +325,8 @@ fn parameters(text: &mut String, page: &Page) {
         let _ = writeln!(text, "[{name}]");
         match table {
             Value::Object(keys) => {
-                for (key, value) in keys {
+                // What a table leaves out is not in force.
+                for (key, value) in keys.iter().filter(|(_, value)| !value.is_null()) {
                     let _ = writeln!(text, "{key} = {}", escape(&written(value)));
                 }
             }

@@ -13,6 +13,7 @@ use crate::engine::error::{Error, Result};
 use crate::engine::stage::{Here, Published, Stage};
 use crate::report::page::{Page, Shown, html};
 use crate::sea::detection::Detection;
+use crate::sea::spectrum::Sea;
 use crate::sea::wave_field::Record;
 use crate::ship::initial_condition::{Estimate, Nic, Pic};
 use crate::ship::response::Truth as Roll;
@@ -40,6 +41,8 @@ pub struct Index;
 pub struct Params {
     case: Names,
     record: Record,
+    /// The seas of the page, by name.
+    sea: BTreeMap<String, Sea>,
     detection: Detection,
     ship: Ship,
     truth: Roll,
@@ -135,6 +138,9 @@ impl Params {
             all.insert(name.to_owned(), table.unwrap_or_default());
         };
         show("record", serde_json::to_value(&self.record));
+        for (name, sea) in &self.sea {
+            show(&format!("sea.{name}"), serde_json::to_value(sea));
+        }
         show("detection", serde_json::to_value(&self.detection));
         show(&format!("ship.{}", self.case.ship), serde_json::to_value(&self.ship));
         show("truth", serde_json::to_value(&self.truth));

@@ -66,6 +66,11 @@ fn unknown_keys_and_tables() {
             "[recrod]\nfields = 10\n",
             &["@2: recrod.fields: ", unknown, "nearest: `record.fields`"],
         ),
+        // Not in this run, and so on no page.
+        (
+            "[run]\nseas = [\"S1\"]\n[sea.S2]\nbandwith = 0.05\n",
+            &["@4: sea.S2.bandwith: ", unknown, "nearest: `sea.S2.bandwidth`"],
+        ),
         ("[recrod]\n", &["@1: recrod: ", unknown, "nearest: `record`"]),
         ("fields = 10\n", &["@1: fields: ", unknown, "nearest: "]),
         (
@@ -133,6 +138,14 @@ fn wrong_types() {
         (
             "[vhgp_control]\nresponse_scale = \"log\"\n",
             &["vhgp_control.response_scale", "log"],
+        ),
+        (
+            "[vhgp_control]\nlog_odds_deviation = -1.0\n",
+            &["vhgp_control.log_odds_deviation: expected a number >= 0, found -1"],
+        ),
+        (
+            "[sampling_floor]\ncontrol_bandwidth = [0.0, 1.0]\n",
+            &["sampling_floor.control_bandwidth: expected numbers > 0, found [0.0, 1.0]"],
         ),
         (
             "[run]\nseed = 1979-05-27\n",

@@ -2,16 +2,17 @@
 
 use crate::common::paper;
 use encounter::design::estimate;
+use encounter::design::look_ahead;
 use encounter::design::pool::{Pool, Used};
 use encounter::design::quadrature::Quadrature;
 use encounter::design::response_scale::ResponseScale;
 use encounter::design::sequential::{Input, sequential};
 use encounter::design::settings::{LookAhead, VhgpSeq};
-use encounter::design::targeted::{log_odds, probability, weights};
+use encounter::design::targeted::{Targeted, log_odds, weights};
 use encounter::gp::vhgp::Vhgp;
 use encounter::numerics::elementary::{exp, ln};
 use encounter::numerics::normal::from_uniform;
-use encounter::numerics::random::uniform;
+use encounter::numerics::random::{below, uniform};
 use encounter::numerics::sums::{mean, standard_deviation};
 use rand_chacha::ChaCha12Rng;
 use rand_chacha::rand_core::SeedableRng;
@@ -136,10 +137,8 @@ fn it_removes_most_of_the_bias_that_a_wrong_law_leaves() {
                 Some((pool.point(index), r[index as usize]))
             };
             let mut stream = ChaCha12Rng::seed_from_u64(seed);
-            *sequential(&design, &input, threshold, respond, &mut stream)
-                .estimate
-                .last()
-                .expect("120 samples")
+            let realisation = sequential(&design, &input, threshold, respond, &mut stream);
+            *realisation.estimate.last().expect("120 samples")
         };
         let all: Vec<f64> = (0..24).map(last).collect();
         (mean(&all) / p_true - 1.0, standard_deviation(&all) / p_true)
@@ -167,9 +166,45 @@ fn a_model_that_is_right_keeps_its_estimate() {
     let q = Quadrature::new(&points, [48, 48]);
     let above: Vec<bool> = y.iter().map(|y| *y > 1.0).collect();
     let own = estimate::probability(&model, &q, 1.0);
-    let found = probability(&model, (&y, &above), &q, 1.0, 2.0);
+    let targeted = |s| Targeted::new(&model, (&y, &above), &q, 1.0, s);
+    let found = targeted(2.0).probability(&model, &q, 1.0);
     assert!((found / own - 1.0).abs() < 0.25, "{found} against {own}");
     // The smaller s, the nearer to the model.
-    let near = probability(&model, (&y, &above), &q, 1.0, 0.01);
+    let near = targeted(0.01).probability(&model, &q, 1.0);
     assert!((near / own - 1.0).abs() < 1e-3, "{near} against {own}");
+    // And the nearer its deviation to the model's own.
+    let variance = look_ahead::variance(&model, &q, 1.0);
+    let deviation = targeted(0.01).deviation(&model, &q, 1.0, variance);
+    assert!((deviation / variance.sqrt() - 1.0).abs() < 1e-2);
+}
+
+#[test]
+fn its_deviation_is_the_spread_of_many_estimates() {
+    // Random samples, a model that knows nothing but a constant law: the share of exceedances, its deviation (R1).
+    let points = points();
+    let q = Quadrature::new(&points, [32, 32]);
+    let mut s = ChaCha12Rng::seed_from_u64(4);
+    let mut estimates = Vec::new();
+    let mut deviations = Vec::new();
+    for _ in 0..40 {
+        let x: Vec<[f64; 2]> = (0..80).map(|_| points[below(&mut s, points.len())]).collect();
+        let y: Vec<f64> = x.iter().map(|x| x[0] + from_uniform(uniform(&mut s))).collect();
+        let above: Vec<bool> = y.iter().map(|y| *y > 1.2).collect();
+        // λ = 1/2, kernels of hardly any variance: a normal law about 0 whatever x is.
+        let mut theta = vec![ln(0.5); 80];
+        theta.extend([ln(1e-4), 0.0, 0.0, ln(1e-4), 0.0, 0.0, ln(2.0)]);
+        let model = Vhgp::new(&x, &y, &theta, 1e-6).expect("positive definite");
+        let targeted = Targeted::new(&model, (&y, &above), &q, 1.2, 20.0);
+        estimates.push(targeted.probability(&model, &q, 1.2));
+        deviations.push(targeted.deviation(&model, &q, 1.2, 0.0));
+    }
+    let (found, expected) = (mean(&deviations), standard_deviation(&estimates));
+    // The deviation of 40 estimates is known to a ninth of it.
+    assert!((found / expected - 1.0).abs() < 0.35, "{found} against {expected}");
+    // P(N(0, 2) > 1.2) = 0.198.
+    assert!(
+        (mean(&estimates) - 0.198).abs() < 3.0 * expected / 40.0_f64.sqrt(),
+        "{}",
+        mean(&estimates)
+    );
 }
