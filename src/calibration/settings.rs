@@ -74,6 +74,9 @@ pub struct Settings {
     pub known: Vec<Known>,
 }
 
+/// A number has no more significant digits.
+const MOST_DIGITS: u32 = 17;
+
 /// One search: the coefficients it may change, and the reading.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Search {
@@ -100,6 +103,10 @@ impl Settings {
             return Err(format!(
                 "polish_fields: expected at least {search} (`search_fields`), found {polish}"
             ));
+        }
+        if self.digits > MOST_DIGITS {
+            let digits = self.digits;
+            return Err(format!("digits: expected at most {MOST_DIGITS}, found {digits}"));
         }
         Ok(())
     }

@@ -160,6 +160,7 @@ pub struct LookAhead {
     pub response_scale: ResponseScale,
     /// By how much, one standard deviation of its logarithm, the samples' odds of exceeding may be off the model's; 0 leaves
     /// the estimate to the model.
+    #[serde(deserialize_with = "non_negative")]
     pub log_odds_deviation: f64,
     /// Kernel of the mean.
     pub k_f: KernelSpan,
@@ -201,10 +202,6 @@ impl LookAhead {
         }
         if self.cap <= 1.0 {
             return Err(format!("cap: expected more than 1 (theta_t), found {}", self.cap));
-        }
-        let deviation = self.log_odds_deviation;
-        if !(deviation.is_finite() && deviation >= 0.0) {
-            return Err(format!("log_odds_deviation: expected a number >= 0, found {deviation}"));
         }
         let fit = self.design(shared, 1.0).fit.check(2);
         fit.map_err(|why| why.trim_start_matches("fit.").to_owned())

@@ -19,7 +19,8 @@ pub trait Stage: 'static {
     const PAPER: &'static str;
     /// How the work is cut into independent pieces.
     const PIECES: Pieces = Pieces::One;
-    /// The axes that its [`Cases`](crate::engine::arrow::Cases) arrows run over.
+    /// The axes that its [`Cases`](crate::engine::arrow::Cases) arrows run over. Of their tables, if it reads them, it
+    /// sees all in force, by name.
     const GATHERS: &'static [Axis] = &[];
     /// Axes whose values come from elsewhere than `[run]`.
     const SELECTS: &'static [Select] = &[];

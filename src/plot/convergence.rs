@@ -211,8 +211,8 @@ pub fn draw(figure: &Convergence) -> Result<String, Error> {
          samples (logarithmic axis): VHGP-Seq blue, random sampling orange; line: mean over {} realisations; shade: the one-sided \
          standard deviation, from the mean to the mean plus one standard deviation; black dashed: truth. (b) Root-mean-square \
          error over the truth in per cent, both axes logarithmic: the same two, the look-ahead design teal dash-dotted, the same \
-         with a control purple dashed, VHGP-Seq's surrogate on a Latin hypercube red, short dashes; black dotted: the least of what \
-         sees length and amplitude alone.",
+         with a control purple dashed, VHGP-Seq's surrogate on a Latin hypercube red, short dashes; black dotted: the least that a normal \
+         law over length and amplitude allows.",
         figure.ship, figure.spectrum, figure.theta_t, figure.epsilon_1, figure.realisations
     );
     Ok(sheet.finish("Figure 5: convergence of VHGP-Seq and of random sampling", &what))
@@ -328,7 +328,7 @@ fn legend() -> Vec<Entry> {
         entry(Sample::Line(BEST), "look-ahead"),
         entry(Sample::Line(CONTROL), "look-ahead with control"),
         entry(Sample::Line(HYPERCUBE), "Latin hypercube"),
-        entry(Sample::Line(FLOOR), "least of an unbiased one over (*L*, *A*)"),
+        entry(Sample::Line(FLOOR), "least by a normal law over (*L*, *A*)"),
     ]
 }
 

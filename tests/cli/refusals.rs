@@ -282,3 +282,14 @@ fn targets() {
         refused(&program, &[target], parts);
     }
 }
+
+#[test]
+fn rules_of_a_study_that_is_asked_for() {
+    let program = Program::new("tiny");
+    let digits = "calibration.digits: expected at most 17, found 70000";
+    refused(
+        &program,
+        &["calibration", "--set", "calibration.digits=70000"],
+        &[digits],
+    );
+}
