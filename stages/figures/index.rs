@@ -19,6 +19,7 @@ use crate::ship::initial_condition::{Estimate, Nic, Pic};
 use crate::ship::response::Truth as Roll;
 use crate::ship::roll_equation::Ship;
 use crate::stages::axes::SEA;
+use crate::stages::detection_study::Thresholds;
 use crate::stages::figures::captions::{CAPTIONS, Caption};
 use crate::stages::figures::fig1_wave_groups::Fig1WaveGroups;
 use crate::stages::figures::fig2_flowchart::Fig2Flowchart;
@@ -32,6 +33,11 @@ use crate::stages::figures::findings::Findings;
 use crate::stages::figures::groups::Groups;
 use crate::stages::figures::table1::Table1;
 use crate::stages::figures::truth::Truth;
+use crate::stages::group_statistics::DensityTable;
+use crate::stages::linear_response::Settings as Amplitudes;
+use crate::stages::random_sampling::Sizes;
+use crate::stages::response_moments::Bins;
+use crate::stages::sampling_floor::Settings as Smooth;
 
 /// index.html.
 pub struct Index;
@@ -44,14 +50,20 @@ pub struct Params {
     /// The seas of the page, by name.
     sea: BTreeMap<String, Sea>,
     detection: Detection,
+    density: DensityTable,
     ship: Ship,
     truth: Roll,
     estimate: Estimate,
     pic: Pic,
     nic: Nic,
+    moments: Bins,
+    detection_study: Thresholds,
     vhgp_seq: VhgpSeq,
     vhgp_best: LookAhead,
+    linear_response: Amplitudes,
     vhgp_control: LookAhead,
+    sampling_floor: Smooth,
+    random_sampling: Sizes,
 }
 
 /// The name of the ship.
@@ -142,14 +154,20 @@ impl Params {
             show(&format!("sea.{name}"), serde_json::to_value(sea));
         }
         show("detection", serde_json::to_value(&self.detection));
+        show("density", serde_json::to_value(&self.density));
         show(&format!("ship.{}", self.case.ship), serde_json::to_value(&self.ship));
         show("truth", serde_json::to_value(&self.truth));
         show("estimate", serde_json::to_value(&self.estimate));
         show("pic", serde_json::to_value(&self.pic));
         show("nic", serde_json::to_value(&self.nic));
+        show("moments", serde_json::to_value(&self.moments));
+        show("detection_study", serde_json::to_value(&self.detection_study));
         show("vhgp_seq", serde_json::to_value(&self.vhgp_seq));
         show("vhgp_best", serde_json::to_value(&self.vhgp_best));
+        show("linear_response", serde_json::to_value(&self.linear_response));
         show("vhgp_control", serde_json::to_value(&self.vhgp_control));
+        show("sampling_floor", serde_json::to_value(&self.sampling_floor));
+        show("random_sampling", serde_json::to_value(&self.random_sampling));
         all
     }
 }
