@@ -12,7 +12,7 @@
 //! | batch.csv | `sample,group,l,a,from,to` | the samples to simulate; look for the maximum from..to, s, on the clock of waves.csv |
 //! | waves.csv | `sample,t,eta` | their wave trains: the group behind the two ahead of it, by (5), with a common carrier; s, m |
 //! | maxima.csv | `sample,r` | yours: the maximum of each, in the unit of θ_t; some samples now, others later will do |
-//! | estimate.csv | `n_samples,probability,std` | the estimate after each fit, its standard deviation by the model |
+//! | estimate.csv | `n_samples,probability,std` | the estimate after each fit, its standard deviation of first order: a guess from below |
 //!
 //! `state.toml` holds what has been told, nothing else: each call replays it, so a call that dies changes nothing. It is
 //! replaced in one step, under a lock, and begins with its own checksum; `state.before.toml` is the one before. A file
@@ -73,7 +73,7 @@ enum Verb {
         #[arg(long)]
         theta_t: f64,
         /// Largest maximum that enters the model, so that none far above the threshold, like a capsize, bends it; a little
-        /// above the threshold by default. Where most exceedances lie far above, give more: the estimate comes out low.
+        /// above the threshold by default. Where most exceedances lie far above, give more: the samples correct only part of what the law misses.
         #[arg(long)]
         cap: Option<f64>,
         /// Samples in all.
@@ -227,9 +227,19 @@ fn load(folder: &Path) -> Result<(State, Vec<Group>, File), Refusal> {
     let text = read(&path)?;
     let (head, body) = text.split_once('\n').unwrap_or_default();
     let whole = head.strip_prefix("# blake3 ") == Some(blake3::hash(body.as_bytes()).to_hex().as_str());
-    let next = "copy state.before.toml over it and tell the last maxima again";
-    let state = whole.then(|| toml::from_str::<State>(body).ok()).flatten();
-    let state = state.ok_or_else(|| refusal(path.display(), "what was saved", "a damaged or edited file", next))?;
+    if !whole {
+        let next = "copy state.before.toml over it and tell the last maxima again";
+        return Err(refusal(
+            path.display(),
+            "what was saved",
+            "a damaged or edited file",
+            next,
+        ));
+    }
+    let state = toml::from_str::<State>(body).map_err(|why| {
+        let next = "go on with the version of this program that began the sequence";
+        refusal(path.display(), "a state of this version", why.message(), next)
+    })?;
     let found = blake3::hash(read(Path::new(&state.groups))?.as_bytes()).to_hex();
     if found.as_str() != state.groups_blake3 {
         let next = "restore the file that the sequence began with, or begin a new one";

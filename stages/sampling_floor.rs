@@ -101,9 +101,10 @@ impl Stage for SamplingFloor {
             z.extend_from_slice(&piece?.z);
         }
         let groups: Vec<[f64; 2]> = responses.points.iter().map(|x| [ln(x[0]), x[1]]).collect();
+        let control = responses.with_control(&z, row.theta_t).map_err(Error::stage)?;
         Ok(Floors {
             groups: of(&groups, settings.bandwidth),
-            control: of(&responses.with_control(&z, row.theta_t), settings.control_bandwidth),
+            control: of(&control, settings.control_bandwidth),
         })
     }
 }

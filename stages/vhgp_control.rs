@@ -60,7 +60,7 @@ impl Stage for VhgpControl {
         for piece in linear.iter() {
             z.extend_from_slice(&piece?.z);
         }
-        let points = responses.with_control(&z, row.theta_t);
+        let points = responses.with_control(&z, row.theta_t).map_err(Error::stage)?;
         let input = Input::on_nodes(Quadrature::new(&points, p.vhgp_control.quadrature));
         let pool = Pool::new(&points);
         let mut used = Used::default();

@@ -346,6 +346,44 @@ fn a_damaged_state_is_refused_and_the_one_before_goes_on() {
 }
 
 #[test]
+fn a_sequence_of_an_older_version_goes_on_or_is_told_to_stay_there() {
+    let (whole, older) = (Stranger::new(), Stranger::new());
+    let sealed = |stranger: &Stranger, body: &str| {
+        let head = format!("# blake3 {}\n", blake3::hash(body.as_bytes()));
+        stranger.file("state.toml", &(head + body));
+    };
+    let body = |stranger: &Stranger| {
+        let text = stranger.text("state.toml");
+        text.split_once('\n').expect("a head").1.to_owned()
+    };
+    // Before the samples corrected the model there was no such key.
+    let plain = |stranger: &Stranger| {
+        let lines = body(stranger);
+        let kept = lines.lines().filter(|line| !line.starts_with("log_odds_deviation"));
+        kept.map(|line| format!("{line}\n")).collect::<String>()
+    };
+    assert!(plain(&older) != body(&older));
+    let without = plain(&older);
+    sealed(&older, &without);
+    sealed(
+        &whole,
+        &body(&whole).replace("log_odds_deviation = 1.0", "log_odds_deviation = 0.0"),
+    );
+    older.to_the_end();
+    whole.to_the_end();
+    assert_eq!(older.text("estimate.csv"), whole.text("estimate.csv"));
+    let other = body(&older).replace("[vhgp_best]", "[vhgp_best]\nunheard_of = 1");
+    sealed(&older, &other);
+    let why = older.refused(&["ask", "DIR"]);
+    assert!(why.contains("state.toml: expected a state of this version"), "{why}");
+    assert!(
+        why.contains("unheard_of") && why.contains("the version of this program that began"),
+        "{why}"
+    );
+    assert!(older.text("state.toml").ends_with(&other), "nothing is lost");
+}
+
+#[test]
 fn a_sequence_is_begun_once_with_sound_numbers_and_keeps_its_groups() {
     let stranger = Stranger::new();
     let why = stranger.refused(&begin("36"));

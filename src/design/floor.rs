@@ -88,7 +88,7 @@ pub fn floor(
     Some(Floor {
         probability,
         random: ((1.0 - probability) / probability).sqrt(),
-        importance: (root * root - probability * probability).sqrt() / probability,
+        importance: at_least(root * root - probability * probability, 0.0).sqrt() / probability,
         stratified: over(&|i| (local.share[i] * (1.0 - local.share[i])).sqrt()) / probability,
         model: variance.sqrt() / probability,
         model_probability: over(&|i| exceedance(local.f[i], local.g[i], threshold)),
@@ -117,11 +117,17 @@ impl Local {
         let f: Vec<f64> = nodes.clone().map(|i| average(&first, i)).collect();
         let g = |i: usize| ln(at_least(average(&second, i) - f[i] * f[i], LEAST_VARIANCE));
         Self {
-            share: nodes.clone().map(|i| at_least(average(&share, i), 0.0)).collect(),
+            share: nodes.clone().map(|i| share_of(average(&share, i))).collect(),
             g: nodes.map(g).collect(),
             f,
         }
     }
+}
+
+/// A smoothed share, which rounding may leave a little below 0 or above 1.
+fn share_of(smoothed: f64) -> f64 {
+    let share = at_least(smoothed, 0.0);
+    if share < 1.0 { share } else { 1.0 }
 }
 
 fn at_least(x: f64, least: f64) -> f64 {

@@ -9,6 +9,7 @@
 //! response at x lowers it: a normal response tells its mean with variance σ² and its log variance with variance 2, which
 //! is λ = ½ in the bound. Tested against the variance after refactoring in `tests/physics/design.rs`.
 
+use super::estimate::exceedance;
 use super::quadrature::Quadrature;
 use crate::gp::grid::{Pair, covariances_on, means_on};
 use crate::gp::vhgp::Vhgp;
@@ -79,10 +80,15 @@ pub fn best(model: &Vhgp<2>, quadrature: &Quadrature, threshold: f64) -> Option<
     Some(quadrature.axes.node(best))
 }
 
-/// The first-order variance of the estimate.
-pub fn variance(model: &Vhgp<2>, quadrature: &Quadrature, threshold: f64) -> f64 {
+/// The first-order variance of Σ_j w_j h(Q_j), where `slope` is h'(Q): 1 for the estimate itself.
+pub fn variance(model: &Vhgp<2>, quadrature: &Quadrature, threshold: f64, slope: impl Fn(f64) -> f64) -> f64 {
     let means = means_on(model, &quadrature.axes);
-    let weight = sensitivities(&means, quadrature, threshold);
+    let mut weight = sensitivities(&means, quadrature, threshold);
+    for &i in &quadrature.support {
+        let slope = slope(exceedance(means.f[i], means.g[i], threshold));
+        weight.f[i] *= slope;
+        weight.g[i] *= slope;
+    }
     let covariances = covariances_on(model, &quadrature.axes, &weight);
     let mut total = 0.0;
     for &i in &quadrature.support {

@@ -16,10 +16,19 @@ pub struct ResponsePool {
 }
 
 impl ResponsePool {
-    /// (z/θ_t, A/H_s) of every group (N), z its linear response, rad; as many as the shorter of both has.
-    pub fn with_control(&self, z: &[f64], theta_t: f64) -> Vec<[f64; 2]> {
+    /// (z/θ_t, A/H_s) of every group (N), `z` (N) their linear responses, rad.
+    ///
+    /// # Errors
+    /// Another number of responses than of groups.
+    pub fn with_control(&self, z: &[f64], theta_t: f64) -> Result<Vec<[f64; 2]>, String> {
+        let (expected, found) = (self.points.len(), z.len());
+        if found != expected {
+            return Err(format!(
+                "expected a linear response to each of {expected} groups, found {found}"
+            ));
+        }
         let both = z.iter().zip(&self.points);
-        both.map(|(z, x)| [z / theta_t, x[1]]).collect()
+        Ok(both.map(|(z, x)| [z / theta_t, x[1]]).collect())
     }
 }
 

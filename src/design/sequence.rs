@@ -105,18 +105,16 @@ impl<'a> Sequence<'a> {
 
     /// The standard deviation of the estimate, of first order; `None` without a model.
     ///
-    /// The model's own knows what the samples leave open of f and g, not whether the normal law holds; a targeted
-    /// estimate adds how the samples scatter about it.
+    /// A guess from below: the model's own knows what the samples leave open of f and g, not whether the normal law holds;
+    /// a targeted estimate adds how the samples scatter about it, and is still up to half too small where it holds badly.
     pub fn deviation(&self) -> Option<f64> {
-        let m = self.model.as_ref()?;
-        let quadrature = &self.input.quadrature;
-        let variance = look_ahead::variance(&m.vhgp, quadrature, m.threshold);
-        let deviation = match self.targeted() {
-            Some(targeted) => targeted.deviation(&m.vhgp, quadrature, m.threshold, variance),
-            None => variance.sqrt(),
-        };
+        let (m, quadrature) = (self.model.as_ref()?, &self.input.quadrature);
+        if let Some(targeted) = self.targeted() {
+            return Some(targeted.deviation(&m.vhgp, quadrature, m.threshold));
+        }
+        let variance = look_ahead::variance(&m.vhgp, quadrature, m.threshold, |_| 1.0);
         // Rounding may make a variance of nothing negative.
-        (variance >= 0.0).then_some(deviation)
+        (variance >= 0.0).then(|| variance.sqrt())
     }
 
     /// How the samples correct the model, if the design wants it and there is a model.

@@ -137,6 +137,9 @@ impl VhgpSeq {
     }
 }
 
+/// Below, nothing moves; above, nothing holds.
+const LOG_ODDS_DEVIATIONS: std::ops::RangeInclusive<f64> = 1e-3..=1e3;
+
 /// The `[vhgp_best]` and `[vhgp_control]` tables: a design that looks ahead, in two coordinates of its own.
 ///
 /// What it shares with the paper's method stands in `[vhgp_seq]`.
@@ -158,9 +161,9 @@ pub struct LookAhead {
     pub cap: f64,
     /// The scale on which the model is normal.
     pub response_scale: ResponseScale,
-    /// By how much, one standard deviation of its logarithm, the samples' odds of exceeding may be off the model's; 0 leaves
-    /// the estimate to the model.
-    #[serde(deserialize_with = "non_negative")]
+    /// By how much, one standard deviation of its logarithm, the samples' odds of exceeding may be off the model's; 0, or
+    /// nothing, leaves the estimate to the model.
+    #[serde(default, deserialize_with = "non_negative")]
     pub log_odds_deviation: f64,
     /// Kernel of the mean.
     pub k_f: KernelSpan,
@@ -202,6 +205,13 @@ impl LookAhead {
         }
         if self.cap <= 1.0 {
             return Err(format!("cap: expected more than 1 (theta_t), found {}", self.cap));
+        }
+        let s = self.log_odds_deviation;
+        if s != 0.0 && !LOG_ODDS_DEVIATIONS.contains(&s) {
+            let (least, most) = (LOG_ODDS_DEVIATIONS.start(), LOG_ODDS_DEVIATIONS.end());
+            return Err(format!(
+                "log_odds_deviation: expected 0, or a number from {least} to {most}, found {s}"
+            ));
         }
         let fit = self.design(shared, 1.0).fit.check(2);
         fit.map_err(|why| why.trim_start_matches("fit.").to_owned())

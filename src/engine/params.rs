@@ -240,7 +240,7 @@ impl ParamsFile {
         paths
     }
 
-    /// What a node sees: `tables` of the file, those of axes as selected by `case`, or all in force by their names if it
+    /// What a node sees: `tables` of the file, those of axes as selected by `case`, or all of `[run]` by their names if it
     /// selects none, rows of `rows` that name the case, no counts; and the table `case` with the axis values, for a stage
     /// that prints them.
     pub fn view(&self, tables: &[&str], axes: &[Axis], case: &Case, counts: &[&str], rows: &[(Axis, &str)]) -> Table {

@@ -76,6 +76,8 @@ pub(crate) fn flatten(path: &str, value: &Value, values: &mut Values) {
                 flatten(&format!("{path}[{place}]"), row, values);
             }
         }
+        // What a table leaves out is no value of it.
+        Value::Null => {}
         single => {
             values.insert(path.to_owned(), single.clone());
         }

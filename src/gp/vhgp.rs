@@ -26,6 +26,10 @@ pub struct Vhgp<const D: usize> {
     pub(super) alpha_f: Vec<f64>,
     pub(super) beta_g: Vec<f64>,
     pub(super) s: Vec<f64>,
+    /// μ (n).
+    pub(super) mu: Vec<f64>,
+    /// The diagonals of (K_f + R)⁻¹ and of (I + (s sᵀ) ∘ K_g)⁻¹ (n each).
+    pub(super) inverses: [Vec<f64>; 2],
     /// The factor of K_f + R.
     pub(super) l: Square,
     /// The factor of I + (s sᵀ) ∘ K_g.
@@ -63,8 +67,11 @@ impl<const D: usize> Vhgp<D> {
     pub fn new(x: &[[f64; D]], y: &[f64], theta: &[f64], jitter: f64) -> Option<Self> {
         let mut bound = Elbo::new(x, y, jitter);
         let elbo = bound.evaluate(theta, &mut vec![0.0; theta.len()])?;
+        let diagonal = |of: &Square| (0..x.len()).map(|i| of.at(i, i)).collect();
         Some(Self {
             x: x.to_vec(),
+            inverses: [diagonal(&bound.b), diagonal(&bound.vtv)],
+            mu: bound.mu,
             parameters: bound.parameters,
             elbo,
             alpha_f: bound.alpha_f,

@@ -90,9 +90,9 @@ fn the_chosen_sample_lowers_the_variance_more_than_others_do() {
         y.push(model.predict(&[x])[0].f_m);
         more.push(x);
         let next = Vhgp::new(&more, &y, &theta, design.fit.jitter).expect("positive definite");
-        variance(&next, &q, 1.5)
+        variance(&next, &q, 1.5, |_| 1.0)
     };
-    let before = variance(&model, &q, 1.5);
+    let before = variance(&model, &q, 1.5, |_| 1.0);
     let chosen = with(best(&model, &q, 1.5).expect("nodes"));
     assert!(chosen < 0.97 * before, "{chosen} {before}");
     for x in [[0.0, 0.3], [0.3, 0.5], [1.0, 0.4], [-0.5, 0.6], [0.8, 0.9]] {
