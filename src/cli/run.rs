@@ -96,7 +96,7 @@ pub(super) fn workers(j: Option<u16>) -> usize {
 
 fn execute(args: &RunArgs, session: &Session, store: &Store, listener: &(dyn Fn(&Event) + Sync)) -> Result<()> {
     publish::clear(&session.graph, SHIP, &session.ships, &session.figures, store.root());
-    let index = Index::read(store.root());
+    let index = session.index();
     if is_idle(args, session, store, listener, &index)? {
         return Ok(());
     }

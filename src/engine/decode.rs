@@ -3,6 +3,7 @@
 //! One deserializer over TOML values for all types, so that a table which many stages read is compiled once.
 
 use std::cell::RefCell;
+use std::fmt::Write as _;
 
 use serde::de::value::{Error, StrDeserializer};
 use serde::de::{
@@ -39,42 +40,52 @@ pub(crate) fn decode<T: DeserializeOwned>(table: toml::Table) -> Result<(T, Vec<
     }
 }
 
+/// One step down from a value.
+#[derive(Clone, Copy)]
+enum Step<'a> {
+    Key(&'a str),
+    Place(usize),
+}
+
 /// `vhgp_seq.case[0].sea` of its steps.
-fn joined(steps: &[String]) -> String {
+fn joined(steps: &[Step<'_>]) -> String {
     let mut path = String::new();
     for step in steps {
-        if !path.is_empty() && !step.starts_with('[') {
-            path.push('.');
+        match step {
+            Step::Key(key) if path.is_empty() => path.push_str(key),
+            Step::Key(key) => path.extend([".", key]),
+            Step::Place(place) => {
+                let _ = write!(path, "[{place}]");
+            }
         }
-        path.push_str(step);
     }
     path
 }
 
 /// The way from the view to the value being decoded; after a fault it ends at the fault.
 #[derive(Default)]
-struct Trail {
-    path: Vec<String>,
+struct Trail<'a> {
+    path: Vec<Step<'a>>,
     ignored: Vec<String>,
 }
 
 #[derive(Clone, Copy)]
-struct Traced<'a> {
+struct Traced<'a, 't> {
     value: &'a Value,
-    trail: &'a RefCell<Trail>,
+    trail: &'t RefCell<Trail<'a>>,
 }
 
-impl<'a> Traced<'a> {
+impl<'a> Traced<'a, '_> {
     /// Decodes a value one step further down.
-    fn step<'de, S: DeserializeSeed<'de>>(self, key: String, value: &'a Value, seed: S) -> Result<S::Value, Error> {
-        self.trail.borrow_mut().path.push(key);
+    fn to<'de, S: DeserializeSeed<'de>>(self, step: Step<'a>, value: &'a Value, seed: S) -> Result<S::Value, Error> {
+        self.trail.borrow_mut().path.push(step);
         let decoded = seed.deserialize(Self { value, ..self })?;
         self.trail.borrow_mut().path.pop();
         Ok(decoded)
     }
 }
 
-impl<'de> Deserializer<'de> for Traced<'_> {
+impl<'de> Deserializer<'de> for Traced<'_, '_> {
     type Error = Error;
 
     fn deserialize_any<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Error> {
@@ -146,27 +157,27 @@ impl<'de> Deserializer<'de> for Traced<'_> {
     }
 }
 
-struct Elements<'a, 'r> {
-    of: Traced<'a>,
+struct Elements<'a, 't, 'r> {
+    of: Traced<'a, 't>,
     rest: &'r mut std::iter::Enumerate<std::slice::Iter<'a, Value>>,
 }
 
-impl<'de> SeqAccess<'de> for Elements<'_, '_> {
+impl<'de> SeqAccess<'de> for Elements<'_, '_, '_> {
     type Error = Error;
 
     fn next_element_seed<S: DeserializeSeed<'de>>(&mut self, seed: S) -> Result<Option<S::Value>, Error> {
-        let step = |(place, value): (usize, _)| self.of.step(format!("[{place}]"), value, seed);
+        let step = |(place, value): (usize, _)| self.of.to(Step::Place(place), value, seed);
         self.rest.next().map(step).transpose()
     }
 }
 
-struct Entries<'a> {
-    of: Traced<'a>,
+struct Entries<'a, 't> {
+    of: Traced<'a, 't>,
     rest: toml::map::Iter<'a, String, Value>,
     value: Option<(&'a String, &'a Value)>,
 }
 
-impl<'de> MapAccess<'de> for Entries<'_> {
+impl<'de> MapAccess<'de> for Entries<'_, '_> {
     type Error = Error;
 
     fn next_key_seed<S: DeserializeSeed<'de>>(&mut self, seed: S) -> Result<Option<S::Value>, Error> {
@@ -175,13 +186,13 @@ impl<'de> MapAccess<'de> for Entries<'_> {
         let decoded = seed.deserialize(StrDeserializer::<Error>::new(key));
         if decoded.is_err() {
             // A key that is refused is where the fault lies.
-            self.of.trail.borrow_mut().path.push(key.clone());
+            self.of.trail.borrow_mut().path.push(Step::Key(key));
         }
         decoded.map(Some)
     }
 
     fn next_value_seed<S: DeserializeSeed<'de>>(&mut self, seed: S) -> Result<S::Value, Error> {
         let (key, value) = self.value.take().expect("serde asks for a value after its key");
-        self.of.step(key.clone(), value, seed)
+        self.of.to(Step::Key(key), value, seed)
     }
 }

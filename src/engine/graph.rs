@@ -8,7 +8,7 @@ use crate::engine::code;
 use crate::engine::error::{Error, Result};
 use crate::engine::node::{Decoded, Node};
 use crate::engine::params::{ParamsFile, nearest};
-use crate::engine::pipeline::Pipeline;
+use crate::engine::pipeline::{Checked, Pipeline};
 use crate::engine::stage::{Pieces, Select};
 use crate::engine::streams::Streams;
 use crate::engine::target::Target;
@@ -115,7 +115,7 @@ impl Graph {
         }
         let places = builder.wanted.keys().map(|(place, _)| *place).collect();
         pipeline.check_rules(params, &checked, &places)?;
-        let mut graph = builder.link(&asked)?;
+        let mut graph = builder.link(&asked, checked)?;
         targets.iter().try_for_each(|target| graph.check_piece(target))?;
         graph.want_pieces(targets);
         Ok(graph)
@@ -330,7 +330,8 @@ impl<'a> Builder<'a> {
         Ok(vec![value.to_owned()])
     }
 
-    fn link(self, asked: &[Slot]) -> Result<Graph> {
+    fn link(self, asked: &[Slot], mut checked: Vec<Checked>) -> Result<Graph> {
+        let counts = self.pipeline.counts();
         let seed = self.params.seed()?;
         let index: BTreeMap<&Slot, usize> = self.wanted.keys().enumerate().map(|(i, slot)| (slot, i)).collect();
         let mut nodes: Vec<NodeCase> = Vec::new();
@@ -344,13 +345,18 @@ impl<'a> Builder<'a> {
             }
             let pieces = self.pieces(node, &links, &nodes)?;
             let fingerprint = || code::of(node.name()).map_or([0; 32], code::StageCode::fingerprint);
+            let is_it = |checked: &Checked| checked.place == *place && checked.case == *case;
+            let decoded = match checked.iter().position(is_it) {
+                Some(known) => checked.swap_remove(known).decoded,
+                None => self.pipeline.decode(self.params, &counts, node, case)?,
+            };
             let code = *codes.entry(*place).or_insert_with(fingerprint);
             nodes.push(NodeCase {
                 node,
                 case: case.clone(),
                 pieces,
                 links,
-                decoded: self.pipeline.decode(self.params, node, case)?,
+                decoded,
                 code,
                 streams: Streams::new(seed, node.name()),
             });

@@ -1,21 +1,22 @@
 //! Idle: whether everything is as the last run left it, so that a run has nothing to do but to say so.
 //!
-//! Nothing is written on the word of the index: the published files are compared with outputs that are read and verified,
-//! their records with the index, the lock with the committed one. Whatever differs, the run goes the long way.
+//! Nothing is written on the word of a stat: objects are as the index has them, published files as they were when they last
+//! were compared with outputs that were read and verified ([`Shown`]), and the lock is compared with the committed one.
+//! Whatever differs, the run goes the long way.
 //! Tested in `tests/cache/index.rs`.
 
-use std::fs::File;
-use std::io::{self, Read};
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use crate::engine::case::Axis;
-use crate::engine::disk::{read_text, regular};
+use crate::engine::disk::read_text;
 use crate::engine::event::Event;
 use crate::engine::index::{Belief, Index};
-use crate::engine::lock::Lock;
+use crate::engine::lock::{Content, Lock};
 use crate::engine::publish;
 use crate::engine::run::Run;
 use crate::engine::runs;
+use crate::engine::shown::{self, Shown};
 
 /// What a run would leave behind.
 pub struct Traces<'a> {
@@ -34,7 +35,10 @@ pub fn is_idle(run: &Run<'_>, index: &Index, traces: &Traces<'_>) -> bool {
     let Belief::All { rehashed } = index.believe(run) else {
         return false;
     };
-    let Some(lock) = lock_of(run, traces) else {
+    let Some((shown, compared)) = shown(run, index.name(), traces) else {
+        return false;
+    };
+    let Some(files) = shown.contents().filter(|files| is_locked(run, files, traces)) else {
         return false;
     };
     // Idle runs, too, keep what they used out of the reach of `gc`.
@@ -47,58 +51,44 @@ pub fn is_idle(run: &Run<'_>, index: &Index, traces: &Traces<'_>) -> bool {
             run.tell(&Event::DidReuse { node, piece });
         }
     }
-    for line in &lock.lines {
-        if let Some(path) = line.name.strip_prefix("file ") {
-            let (path, id) = (path.to_owned(), line.content.to_string());
-            let written = false;
-            run.tell(&Event::DidPublish { path, id, written });
-        }
+    for (path, content) in files {
+        let (id, written) = (content.id.to_string(), false);
+        run.tell(&Event::DidPublish { path, id, written });
+    }
+    // Both only make the next run faster.
+    if compared {
+        let _ = shown.note(run.store, index.name());
     }
     if rehashed {
-        // It only makes the next run faster.
         let _ = index.renew(run);
     }
     true
 }
 
-/// The lock, if published files and lock are what a run would write.
-fn lock_of(run: &Run<'_>, traces: &Traces<'_>) -> Option<Lock> {
-    for (node, _) in publish::layout(run.graph, traces.axis, traces.values) {
+/// The published files, if they are what a run would write; and whether that took comparing them.
+fn shown(run: &Run<'_>, name: &str, traces: &Traces<'_>) -> Option<(Shown, bool)> {
+    let layout = publish::layout(run.graph, traces.axis, traces.values);
+    let outputs = shown::outputs(run, &layout)?;
+    let noted = Shown::read(run.store.root(), name);
+    if let Some(noted) = noted.filter(|noted| noted.vouches_for(&outputs, traces.figures)) {
+        return Some((noted, false));
+    }
+    for (node, _) in layout {
         let record = run.key(node, 0).and_then(|key| run.store.record(&key))?;
         if Some(record.id) != run.id(node, 0).map(|id| id.to_string()) {
             return None;
         }
     }
     let texts = publish::texts(run, traces.axis, traces.values).ok()?;
-    let is_current = |(name, text): (&String, &String)| holds(&traces.figures.join(name), text).unwrap_or(false);
-    if !texts.iter().all(is_current) {
-        return None;
-    }
-    let profile = traces.lock.map_or("", |(_, profile)| profile);
-    let lock = Lock::of(run, profile, "", &texts).ok()?;
-    if let Some((path, _)) = traces.lock {
-        let committed = Lock::parse(&read_text(path).ok()?).ok()?;
-        if !committed.says_the_same_as(&lock) {
-            return None;
-        }
-    }
-    Some(lock)
+    Some((Shown::compared(outputs, &texts, traces.figures)?, true))
 }
 
-/// Whether a file holds a text and nothing else; read in small steps, since fresh memory costs more than comparing.
-fn holds(path: &Path, text: &str) -> io::Result<bool> {
-    regular(path)?;
-    let mut file = File::open(path)?;
-    let mut rest = text.as_bytes();
-    let mut buffer = [0; 1 << 14];
-    loop {
-        let length = file.read(&mut buffer)?;
-        if length == 0 {
-            return Ok(rest.is_empty());
-        }
-        match rest.strip_prefix(&buffer[..length]) {
-            Some(after) => rest = after,
-            None => return Ok(false),
-        }
-    }
+/// Whether the committed lock, if the run has one, is what a run would write.
+fn is_locked(run: &Run<'_>, files: &BTreeMap<String, Content>, traces: &Traces<'_>) -> bool {
+    let Some((path, profile)) = traces.lock else {
+        return true;
+    };
+    let committed = read_text(path).ok().and_then(|text| Lock::parse(&text).ok());
+    let due = Lock::to_compare(run, profile, files.clone());
+    committed.is_some_and(|committed| due.is_ok_and(|due| committed.says_the_same_as(&due)))
 }

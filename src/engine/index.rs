@@ -1,14 +1,15 @@
-//! Index: key, id, length and stat of each object as last verified, in one file; never the truth.
+//! Index: key, id, length and stat of each object as last verified, in one file a profile; never the truth.
 //!
 //! A run with nothing to do needs one look at each object instead of its record and its bytes. What the index says is
 //! believed by a run for a whole graph or not at all ([`Index::believe`]): as soon as one piece is to be made or healed,
-//! records decide anew, and every read for use verifies as ever.
+//! records decide anew, and every read for use verifies as ever. Published files are believed in like manner
+//! ([`shown`](crate::engine::shown)); whoever shares a store under another name disturbs neither.
 //!
 //! | what happened to an object | is seen because |
 //! |---|---|
 //! | written, cut, moved, replaced | size, mtime, ctime or inode differ: it is hashed again |
 //! | the same, size and mtime put back | nobody can set ctime |
-//! | the same, within one tick of the clock | ctime less than 2 s before the verifying began is not believed (racy) |
+//! | the same, within one tick of the clock | a stat less than 2 s old when verifying began is not believed (racy, `stat`) |
 //! | deleted | there is no stat |
 //! | its record deleted or written | the record's own times are looked at alike: it is read whole |
 //! | bytes rotted on the medium under an equal stat | not here: at the next read, or by `verify --store`, which reads all |
@@ -20,33 +21,31 @@
 //! of all before. A row: key (32), id (32), bytes u64, kept u64, size u64, mtime i64 i64, ctime i64 i64, inode u64.
 
 use std::collections::BTreeMap;
-use std::fs;
 use std::path::{Path, PathBuf};
-use std::time::{SystemTime, UNIX_EPOCH};
 
 use crate::engine::disk::read_regular;
 use crate::engine::error::Result;
 use crate::engine::history::record_file;
 use crate::engine::id::{Id, Key};
 use crate::engine::run::Run;
+use crate::engine::stat::{Began, Stat};
 use crate::engine::store::Found;
 
 const MAGIC: &[u8; 8] = b"ENCINDX1";
 const HEAD: usize = 24;
 const ROW: usize = 128;
 const CHECK: usize = 32;
-/// Rows of other graphs that are kept: several profiles share a store.
+/// Rows of other graphs that are kept: an edit taken back, or a run of everything after one of a part, finds its own.
 const MOST: usize = 20_000;
-/// An object that changed so shortly before it was verified, seconds, may have changed after it under the same time.
-const GRAIN: i64 = 2;
 /// So many rows take longer than starting a thread.
 const WORTH_A_THREAD: usize = 100;
 
 /// What the last runs verified.
 #[derive(Default)]
 pub struct Index {
-    /// When the last run began to verify, seconds and nanoseconds since 1970.
-    begun: (i64, i64),
+    /// Who shares it: a profile.
+    name: String,
+    began: Began,
     /// The file but for its check; empty without one.
     bytes: Vec<u8>,
 }
@@ -58,14 +57,6 @@ struct Row {
     bytes: u64,
     /// None if the bytes are not in the store and nobody needed them.
     stat: Option<Stat>,
-}
-
-#[derive(Clone, Debug, PartialEq, Eq)]
-struct Stat {
-    size: u64,
-    mtime: (i64, i64),
-    ctime: (i64, i64),
-    inode: u64,
 }
 
 /// Whether record and object of a row, read whole, are what it says.
@@ -89,12 +80,15 @@ pub enum Belief {
 }
 
 impl Index {
-    /// The index of a store.
-    pub fn read(root: &Path) -> Self {
-        read_regular(&file(root)).ok().and_then(Self::parse).unwrap_or_default()
+    /// The index of a name in a store.
+    pub fn read(root: &Path, name: &str) -> Self {
+        let name = name.to_owned();
+        let read = read_regular(&file(root, &name)).ok().and_then(Self::parse);
+        let (began, bytes) = read.unwrap_or_default();
+        Self { name, began, bytes }
     }
 
-    fn parse(mut bytes: Vec<u8>) -> Option<Self> {
+    fn parse(mut bytes: Vec<u8>) -> Option<(Began, Vec<u8>)> {
         let rows = bytes.len().checked_sub(HEAD + CHECK)?;
         if rows % ROW != 0 || &bytes[..8] != MAGIC {
             return None;
@@ -103,14 +97,19 @@ impl Index {
         if blake3::hash(body).as_bytes() != check {
             return None;
         }
-        let begun = (number(&bytes, 8) as i64, number(&bytes, 16) as i64);
+        let began = Began((number(&bytes, 8) as i64, number(&bytes, 16) as i64));
         bytes.truncate(HEAD + rows);
-        Some(Self { begun, bytes })
+        Some((began, bytes))
     }
 
     /// Its rows, one after another.
     fn rows(&self) -> &[u8] {
         self.bytes.get(HEAD..).unwrap_or_default()
+    }
+
+    /// Its name.
+    pub fn name(&self) -> &str {
+        &self.name
     }
 
     /// Whether nothing is known.
@@ -181,16 +180,10 @@ impl Index {
     fn vouches_for(&self, run: &Run<'_>, row: &Row) -> bool {
         let record = Stat::of(&record_file(run.store, &row.key));
         let object = match &row.stat {
-            Some(noted) => self.is_calm(noted) && Stat::of(&run.store.object(&row.id)).as_ref() == Some(noted),
+            Some(noted) => self.began.vouches_for(noted, &run.store.object(&row.id)),
             None => !run.store.has(&row.id),
         };
-        object && record.is_some_and(|record| self.is_calm(&record))
-    }
-
-    /// Whether nothing can have changed under the noted times after it was verified.
-    fn is_calm(&self, noted: &Stat) -> bool {
-        let since = (self.begun.0.saturating_sub(GRAIN), self.begun.1);
-        noted.ctime < since && noted.mtime < since
+        object && record.is_some_and(|record| self.began.is_calm(&record))
     }
 
     /// Writes the index anew after a run: its own pieces, and what is known of others. Objects that nobody has verified
@@ -199,7 +192,7 @@ impl Index {
     /// # Errors
     /// An object that cannot be made again, an index that cannot be written.
     pub fn renew(&self, run: &Run<'_>) -> Result<()> {
-        let begun = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
+        let began = Began::now();
         let mut rows = BTreeMap::new();
         for (node, it) in run.graph.nodes.iter().enumerate() {
             for piece in 0..it.pieces.len() {
@@ -210,17 +203,17 @@ impl Index {
         }
         for old in self.rows().chunks_exact(ROW) {
             // What was not to be believed must not come to be by a later time at the head.
-            let is_calm = Row::decoded(old).stat.is_none_or(|noted| self.is_calm(&noted));
+            let is_calm = Row::decoded(old).stat.is_none_or(|noted| self.began.is_calm(&noted));
             if is_calm && rows.len() < MOST {
                 rows.entry(key_of(old)).or_insert_with(|| old.to_vec());
             }
         }
         let mut bytes = MAGIC.to_vec();
-        bytes.extend((begun.as_secs() as i64).to_le_bytes());
-        bytes.extend(i64::from(begun.subsec_nanos()).to_le_bytes());
+        bytes.extend(began.0.0.to_le_bytes());
+        bytes.extend(began.0.1.to_le_bytes());
         bytes.extend(rows.into_values().flatten());
         bytes.extend(blake3::hash(&bytes).as_bytes());
-        run.store.write(&file(run.store.root()), &bytes, false)
+        run.store.write(&file(run.store.root(), &self.name), &bytes, false)
     }
 
     /// The row of a piece whose object has been verified as it is now.
@@ -298,28 +291,8 @@ impl Row {
     }
 }
 
-impl Stat {
-    #[cfg(unix)]
-    fn of(path: &Path) -> Option<Self> {
-        use std::os::unix::fs::MetadataExt;
-        let found = fs::metadata(path).ok()?;
-        Some(Self {
-            size: found.len(),
-            mtime: (found.mtime(), found.mtime_nsec()),
-            ctime: (found.ctime(), found.ctime_nsec()),
-            inode: found.ino(),
-        })
-    }
-
-    /// Without the time of a file's last change, which nobody can set, a stat proves nothing.
-    #[cfg(not(unix))]
-    fn of(_: &Path) -> Option<Self> {
-        None
-    }
-}
-
-fn file(root: &Path) -> PathBuf {
-    root.join("index")
+fn file(root: &Path, name: &str) -> PathBuf {
+    root.join(format!("index.{name}"))
 }
 
 fn key_of(row: &[u8]) -> [u8; 32] {

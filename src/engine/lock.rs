@@ -46,12 +46,46 @@ pub struct Line {
     pub bytes: u64,
 }
 
+/// What is in a published file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Content {
+    /// The hash of its bytes.
+    pub id: Id,
+    /// How many they are.
+    pub bytes: u64,
+}
+
+impl Content {
+    /// The content of a text.
+    pub fn of(text: &str) -> Self {
+        Self {
+            id: Id(*blake3::hash(text.as_bytes()).as_bytes()),
+            bytes: text.len() as u64,
+        }
+    }
+}
+
 impl Lock {
     /// The lock of a finished run.
     ///
     /// # Errors
     /// A node whose content is not known.
     pub fn of(run: &Run<'_>, profile: &str, made_with: &str, texts: &BTreeMap<String, String>) -> Result<Self> {
+        let files = texts.iter().map(|(path, text)| (path.clone(), Content::of(text)));
+        Ok(Self {
+            made_with: made_with.to_owned(),
+            code: codes(run).map(|code| (code.stage.to_owned(), short(code))).collect(),
+            crates: crates(codes(run)),
+            ..Self::to_compare(run, profile, files)?
+        })
+    }
+
+    /// The same without what it was made with, which is not compared.
+    pub(crate) fn to_compare(
+        run: &Run<'_>,
+        profile: &str,
+        files: impl IntoIterator<Item = (String, Content)>,
+    ) -> Result<Self> {
         let content = |node: usize| run.content(node);
         let mut lines = Vec::new();
         for (i, node) in run.graph.nodes.iter().enumerate() {
@@ -67,29 +101,25 @@ impl Lock {
                 bytes: run.bytes_of_node(i).ok_or_else(unknown)?,
             });
         }
-        for (path, text) in texts {
-            let content = Id(*blake3::hash(text.as_bytes()).as_bytes());
-            let bytes = text.len() as u64;
-            lines.push(Line {
-                name: format!("file {path}"),
-                pieces: None,
-                recipe: None,
-                content,
-                bytes,
-            });
-        }
+        lines.extend(files.into_iter().map(|(path, content)| Line {
+            name: format!("file {path}"),
+            pieces: None,
+            recipe: None,
+            content: content.id,
+            bytes: content.bytes,
+        }));
         Ok(Self {
             profile: profile.to_owned(),
             seed: run.graph.seed,
             keys: KEY_SCHEMA,
-            made_with: made_with.to_owned(),
-            code: codes(run).map(|code| (code.stage.to_owned(), short(code))).collect(),
-            crates: crates(codes(run)),
+            made_with: String::new(),
+            code: BTreeMap::new(),
+            crates: BTreeMap::new(),
             lines,
         })
     }
 
-    /// Whether two locks differ at most in the compiler's name.
+    /// Whether two locks differ at most in what they were made with.
     pub fn says_the_same_as(&self, other: &Self) -> bool {
         let head = |lock: &Self| (lock.seed, lock.keys, lock.profile.clone());
         self.lines == other.lines && head(self) == head(other)

@@ -6,7 +6,8 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use toml::de::DeTable;
+use serde::Deserialize;
+use toml::de::{DeTable, Deserializer};
 use toml::{Table, Value};
 
 use crate::engine::case::{Axis, Case};
@@ -58,10 +59,10 @@ impl ParamsFile {
             Error::Usage(format!("{file}:{line}: expected TOML, found: {}", error.message()))
         };
         let spanned = DeTable::parse(text).map_err(|error| refuse(&error))?;
-        let table: Table = toml::from_str(text).map_err(|error| refuse(&error))?;
         note_origins(&mut self.origins, "", spanned.get_ref(), &|offset| {
             format!("{file}:{}", lines.at(offset))
         });
+        let table = Table::deserialize(Deserializer::from(spanned)).map_err(|error| refuse(&error))?;
         merge(&mut self.values, table);
         Ok(())
     }
@@ -183,13 +184,15 @@ impl ParamsFile {
     pub fn list(&self, axis: Axis) -> Result<Vec<String>> {
         let path = format!("run.{}", axis.list);
         let tables = self.tables(axis)?;
-        let expected = format!(
-            "expected a list of names of [{}.*] tables ({})",
-            axis.table,
-            tables.join(", ")
-        );
         let found = self.get(&path);
-        let refuse = |what: String| self.refuse(&path, &format!("{expected}, found {what}"));
+        let refuse = |what: String| {
+            let expected = format!(
+                "expected a list of names of [{}.*] tables ({})",
+                axis.table,
+                tables.join(", ")
+            );
+            self.refuse(&path, &format!("{expected}, found {what}"))
+        };
         let entries = found.and_then(Value::as_array).ok_or_else(|| refuse(shown(found)))?;
         let mut names: Vec<String> = Vec::new();
         for entry in entries {

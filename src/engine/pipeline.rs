@@ -23,9 +23,9 @@ pub struct Pipeline {
 
 /// The parameters of one stage in one case, each key checked by itself.
 pub(crate) struct Checked {
-    place: usize,
-    case: Case,
-    decoded: Decoded,
+    pub(crate) place: usize,
+    pub(crate) case: Case,
+    pub(crate) decoded: Decoded,
 }
 
 impl Pipeline {
@@ -85,7 +85,7 @@ impl Pipeline {
     }
 
     /// Decodes the parameters of one node in one case.
-    pub(crate) fn decode(&self, params: &ParamsFile, node: &dyn Node, case: &Case) -> Result<Decoded> {
+    pub(crate) fn decode(&self, params: &ParamsFile, counts: &[&str], node: &dyn Node, case: &Case) -> Result<Decoded> {
         let rows: Vec<(Axis, &str)> = node
             .selects()
             .iter()
@@ -94,7 +94,7 @@ impl Pipeline {
                 Select::At(..) => None,
             })
             .collect();
-        let view = params.view(node.tables(), self.axes, case, &self.counts(), &rows);
+        let view = params.view(node.tables(), self.axes, case, counts, &rows);
         node.decode_params(view)
             .map_err(|fault| params.fault(&fault, self.axes, case))
     }
@@ -105,12 +105,13 @@ impl Pipeline {
     /// The first key that is unknown, of a wrong type or out of range.
     pub(crate) fn check(&self, params: &ParamsFile) -> Result<Vec<Checked>> {
         params.seed()?;
-        for count in self.counts() {
+        let counts = self.counts();
+        for count in &counts {
             params.count(count)?;
         }
         let mut unread: BTreeSet<String> = params.leaves().into_iter().collect();
         unread.remove("run.seed");
-        for key in self.counts().iter().chain(self.optional) {
+        for key in counts.iter().chain(self.optional) {
             unread.remove(*key);
         }
         let mut tables = Vec::new();
@@ -128,7 +129,7 @@ impl Pipeline {
                 }
             }
             for case in self.covering_cases(axes, &tables) {
-                let decoded = self.decode(params, *node, &case)?;
+                let decoded = self.decode(params, &counts, *node, &case)?;
                 // The leaves tell of no key within a list, so that one is refused here.
                 if let Some(path) = decoded.ignored.iter().find(|path| path.contains('[')) {
                     let path = real_path(path, self.axes, &case);

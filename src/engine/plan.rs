@@ -102,11 +102,7 @@ pub struct Plan<'g> {
 impl<'g> Plan<'g> {
     /// Decides every piece of a graph. Outputs of `verified` nodes are read and verified, and so are those of published
     /// ones, and of all where there is an index, that are not as the index last saw them verified.
-    pub fn new(graph: &'g Graph, store: &'g Store, verified: &[usize]) -> Self {
-        Self::with(graph, store, verified, &Index::read(store.root()))
-    }
-
-    fn with(graph: &'g Graph, store: &'g Store, verified: &[usize], index: &Index) -> Self {
+    pub fn new(graph: &'g Graph, store: &'g Store, index: &Index, verified: &[usize]) -> Self {
         const SILENT: &Listener<'static> = &|_| {};
         let mut plan = Self {
             run: Run::new(graph, store, SILENT),
@@ -345,7 +341,7 @@ pub(crate) fn leave_what_nobody_needs(run: &Run<'_>) {
         return;
     }
     // What runs is decided by records alone.
-    let plan = Plan::with(run.graph, run.store, &[], &Index::default());
+    let plan = Plan::new(run.graph, run.store, &Index::default(), &[]);
     for (node, piece) in all().filter(|(node, piece)| plan.states[*node][*piece] == State::Cached) {
         if let (Some(id), Some(bytes)) = (plan.run.id(node, piece), plan.run.bytes_of(node, piece)) {
             run.suppose(node, piece, id, bytes);

@@ -325,7 +325,10 @@ impl Store {
 
 /// Where a store keeps what a hash names: `KIND/ab/cdef..SUFFIX`.
 pub(crate) fn path_in(root: &Path, kind: &str, hex: &str, suffix: &str) -> PathBuf {
-    root.join(kind).join(&hex[..2]).join(format!("{}{suffix}", &hex[2..]))
+    let mut path = PathBuf::with_capacity(root.as_os_str().len() + kind.len() + hex.len() + suffix.len() + 4);
+    path.extend([root, Path::new(kind), Path::new(&hex[..2]), Path::new(&hex[2..])]);
+    path.as_mut_os_string().push(suffix);
+    path
 }
 
 fn folders<'p>(files: impl Iterator<Item = &'p Path>) -> BTreeSet<&'p Path> {

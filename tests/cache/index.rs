@@ -22,7 +22,7 @@ fn ask<T>(house: &House, question: impl FnOnce(&Run<'_>, &Index) -> T) -> T {
     let graph = house.graph(&[]).expect("the parameters are in order");
     let store = house.store();
     let silent = |_: &Event| {};
-    let index = Index::read(&house.path("store"));
+    let index = Index::read(&house.path("store"), "toy");
     question(&Run::new(&graph, &store, &silent), &index)
 }
 
@@ -76,7 +76,7 @@ fn without_an_index_nothing_is_believed_and_one_run_makes_it() {
     run_and_note(&house);
     assert!(matches!(believe(&house), Belief::All { .. }));
     assert!(is_idle(&house));
-    fs::remove_file(house.path("store/index")).expect("there is an index");
+    fs::remove_file(house.path("store/index.toy")).expect("there is an index");
     assert!(!is_idle(&house));
     assert!(house.run().ran().is_empty());
 }
@@ -132,7 +132,7 @@ fn a_flipped_bit_under_restored_times_is_seen() {
 #[test]
 fn a_damaged_index_is_none() {
     let house = settled();
-    let path = house.path("store/index");
+    let path = house.path("store/index.toy");
     let good = fs::read(&path).expect("there is an index");
     let shorter = (0..good.len()).step_by(37).map(|length| good[..length].to_vec());
     let flipped = (0..good.len()).step_by(41).map(|byte| {
@@ -153,7 +153,7 @@ fn a_damaged_index_is_none() {
 fn a_hostile_index_serves_nothing_and_changes_nothing() {
     let house = settled();
     let locked = house.run().locked();
-    let path = house.path("store/index");
+    let path = house.path("store/index.toy");
     let good = fs::read(&path).expect("there is an index");
     let rows = (good.len() - HEAD - 32) / ROW;
     assert!(rows > 10);
@@ -187,7 +187,7 @@ fn a_hostile_index_serves_nothing_and_changes_nothing() {
 #[test]
 fn an_index_without_order_or_with_absurd_numbers_is_harmless() {
     let house = settled();
-    let path = house.path("store/index");
+    let path = house.path("store/index.toy");
     edit(&path, |bytes| bytes[HEAD..].reverse());
     assert_eq!(believe(&house), Belief::Not);
     edit(&path, |bytes| bytes[8..].fill(0xff));

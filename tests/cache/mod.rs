@@ -13,6 +13,7 @@ mod params;
 mod pieces;
 mod plan;
 mod seeds;
+mod shown;
 mod store;
 mod timing;
 mod verify;

@@ -223,8 +223,7 @@ fn verifies(program: &Program, figures: &Path) {
     let lines = lock.lines().filter(|line| !line.starts_with("made-with ")).count();
     assert_eq!(equal["lines"].as_u64(), Some(lines as u64 - 2));
 
-    let parameter = program.call(&["verify", "--lock", "--set", "ship.printed.alpha_1=0.02"]);
-    assert_eq!(parameter.code, 3);
+    let parameter = program.exits(3, &["verify", "--lock", "--set", "ship.printed.alpha_1=0.02"]);
     assert!(
         parameter
             .stderr
@@ -251,12 +250,12 @@ fn verifies(program: &Program, figures: &Path) {
         "{}",
         said.stderr
     );
-    assert_eq!(program.call(&["run"]).code, 0);
+    program.exits(0, &["run"]);
     assert_eq!(fs::read(&table).expect("a published file"), ours);
-    assert_eq!(program.call(&["verify", "--lock"]).code, 0);
+    program.exits(0, &["verify", "--lock"]);
     assert_eq!(program.lock_text(), lock);
 
-    assert_eq!(program.call(&["verify", "--rebuild", "-j", "1"]).code, 0);
+    program.exits(0, &["verify", "--rebuild", "-j", "1"]);
     let lock_file = program.path("store/tiny.lock");
     let line = lock
         .lines()
@@ -264,17 +263,16 @@ fn verifies(program: &Program, figures: &Path) {
         .expect("a line");
     let content = line.split_whitespace().nth(3).expect("its content");
     fs::write(&lock_file, lock.replace(content, &"0".repeat(64))).expect("the lock can be written");
-    let rebuilt = program.call(&["verify", "--rebuild"]);
-    assert_eq!(rebuilt.code, 3, "{}", rebuilt.stderr);
+    let rebuilt = program.exits(3, &["verify", "--rebuild"]);
     assert!(
         rebuilt.stderr.contains("differs: cic/printed-S2: the lock says 000"),
         "{}",
         rebuilt.stderr
     );
     fs::write(&lock_file, "hostile").expect("the lock can be written");
-    assert_eq!(program.call(&["verify", "--lock"]).code, 5);
+    program.exits(5, &["verify", "--lock"]);
     fs::remove_file(&lock_file).expect("the lock can be deleted");
-    assert_eq!(program.call(&["verify", "--lock"]).code, 5);
+    program.exits(5, &["verify", "--lock"]);
 }
 
 /// What makes a run cheap: one sea and one ship.

@@ -61,6 +61,14 @@ impl Program {
         }
     }
 
+    /// Calls a verb, which must end with an exit code; where it does not, what it told on standard error is shown.
+    #[track_caller]
+    pub(crate) fn exits(&self, code: i32, arguments: &[&str]) -> Said {
+        let said = self.call(arguments);
+        assert_eq!(said.code, code, "{arguments:?}: {}", said.stderr);
+        said
+    }
+
     /// Starts a verb with its arguments.
     pub(crate) fn start(&self, arguments: &[&str]) -> Child {
         let mut command = self.command(arguments);
