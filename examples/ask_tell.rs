@@ -73,7 +73,8 @@ enum Verb {
         #[arg(long)]
         theta_t: f64,
         /// Largest maximum that enters the model, so that none far above the threshold, like a capsize, bends it; a little
-        /// above the threshold by default. Where most exceedances lie far above, give more: the samples correct only part of what the law misses.
+        /// above the threshold by default. Where most exceedances lie far above, give more: the samples correct but a part
+        /// of what the law misses.
         #[arg(long)]
         cap: Option<f64>,
         /// Samples in all.

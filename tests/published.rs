@@ -169,6 +169,26 @@ fn the_readme_shows_the_committed_table() {
 }
 
 #[test]
+fn the_readme_shows_the_committed_errors() {
+    let readme = read("README.md");
+    for (folder, methods) in [
+        ("", &["sequential", "best", "control", "lhs"][..]),
+        ("printed/", &["sequential", "best", "control"]),
+    ] {
+        let rows = rows(&format!("figures/{folder}table1.csv"));
+        for method in methods {
+            let cell = |row: &Row| {
+                let of = |key: &str| 100.0 * number(row, &format!("{method}_{key}")) / number(row, "p_true");
+                format!("{:+.1}, {:.1}", of("mean") - 100.0, of("std"))
+            };
+            let cells: Vec<String> = rows.iter().map(cell).collect();
+            let line = format!("| {} |\n", cells.join(" | "));
+            assert!(readme.contains(&line), "{folder}{method}: expected {line}");
+        }
+    }
+}
+
+#[test]
 fn the_readme_has_no_blanks() {
     assert!(!read("README.md").contains('@'), "a placeholder is left");
 }

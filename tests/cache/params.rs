@@ -1,6 +1,9 @@
 //! What of the parameter file counts, and what is refused.
 
+use crate::common::toy::BASE;
 use crate::common::{House, PARAMS};
+use encounter::engine::case::Case;
+use encounter::engine::params::ParamsFile;
 use encounter::engine::target::Target;
 
 const NOTHING: [&str; 0] = [];
@@ -30,6 +33,30 @@ fn a_later_layer_wins_key_by_key() {
     assert_eq!(place("base.d.offset"), "over.toml:4: base.d.offset: no");
     assert_eq!(place("base.b.offset"), "toy.toml:13: base.b.offset: no");
     assert_eq!(place("draws.row[1].level"), "toy.toml:23: draws.row[1].level: no");
+}
+
+#[test]
+fn who_has_no_axis_sees_its_tables_in_force_by_name() {
+    let mut params = House::new().params().expect("the parameters are in order");
+    let names = |params: &ParamsFile, case: &Case| {
+        let view = params.view(&["base"], &[BASE], case, &[], &[]);
+        let table = view["base"].as_table().expect("a table").clone();
+        table.keys().cloned().collect::<Vec<_>>()
+    };
+    let list = params.list(BASE).expect("a list");
+    assert!(list.len() > 1);
+    let mut all = names(&params, &Case::default());
+    params.set("base.d.offset=4").expect("an assignment");
+    assert_eq!(names(&params, &Case::default()), all, "d is not in force");
+    let only = format!("run.{}=[\"{}\"]", BASE.list, list[1]);
+    params.set(&only).expect("an assignment");
+    assert_eq!(names(&params, &Case::default()), [list[1].clone()]);
+    // With the axis, a case's own table alone.
+    assert!(names(&params, &Case::default().with(BASE, &list[0])).contains(&"offset".to_owned()));
+    all.sort();
+    let mut list = list;
+    list.sort();
+    assert_eq!(all, list);
 }
 
 #[test]

@@ -119,3 +119,19 @@ fn extrapolating_a_polynomial_costs_what_elfving_s_design_does() {
         close("variance", found, expected, 2e-3);
     }
 }
+
+#[test]
+fn rounding_makes_no_share_above_one() {
+    // 23 spacings do not add up to the last bit, and narrow kernels leave each node to itself.
+    let mut s = ChaCha12Rng::seed_from_u64(9);
+    for round in 0..40 {
+        let x: Vec<[f64; 2]> = (0..300)
+            .map(|_| [0.1 + 3.7 * uniform(&mut s), 0.2 + uniform(&mut s)])
+            .collect();
+        let r: Vec<f64> = x.iter().map(|_| uniform(&mut s)).collect();
+        let q = Quadrature::new(&x, [24, 24]);
+        let found = floor((&x, &r), (0.4, 1e9), &q, [0.025, 0.02], 1).expect("some exceed");
+        let all = [found.random, found.importance, found.stratified, found.model];
+        assert!(all.iter().all(|v| v.is_finite() && *v >= 0.0), "{round}: {found:?}");
+    }
+}
