@@ -117,9 +117,9 @@ pub fn log_odds(q: &[f64], above: &[bool], weight: &[f64], deviation: f64) -> f6
         let middle = 0.5 * (low + high);
         // It falls as ω grows.
         if excess(middle) > 0.0 {
-            low = middle
+            low = middle;
         } else {
-            high = middle
+            high = middle;
         }
     }
     0.5 * (low + high)

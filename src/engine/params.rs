@@ -251,14 +251,15 @@ impl ParamsFile {
         for name in tables {
             let table = |value: &str| self.get(&format!("{name}.{value}")).cloned();
             let value = match axes.iter().find(|axis| axis.table == *name) {
-                Some(axis) => match case.value(*axis) {
-                    Some(value) => table(value),
-                    None => {
-                        let names = self.list(*axis).unwrap_or_default().into_iter();
-                        Some(Value::Table(names.filter_map(|v| table(&v).map(|t| (v, t))).collect()))
-                    }
-                },
                 None => self.values.get(*name).cloned(),
+                Some(axis) => case.value(*axis).map_or_else(
+                    || {
+                        let names = self.list(*axis).unwrap_or_default().into_iter();
+                        let all = names.filter_map(|name| table(&name).map(|value| (name, value)));
+                        Some(Value::Table(all.collect()))
+                    },
+                    table,
+                ),
             };
             if let Some(value) = value {
                 view.insert((*name).to_owned(), value);

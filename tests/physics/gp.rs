@@ -77,7 +77,8 @@ fn left_out_is_conditional(n: usize, jitter: f64) {
     let model = Vhgp::new(&x, &y, &theta, jitter).expect("positive definite");
     let kernel = |k: &Ard| {
         let one = |a: &[f64; 2], b: &[f64; 2]| {
-            let squares = (0..2).map(|d| ((a[d] - b[d]) / k.length[d]).powi(2));
+            let steps = (0..2).map(|d| (a[d] - b[d]) / k.length[d]);
+            let squares = steps.map(|step| step * step);
             k.variance * exp(-0.5 * squares.sum::<f64>())
         };
         DMatrix::from_fn(n, n, |i, j| one(&x[i], &x[j]))

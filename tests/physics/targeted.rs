@@ -137,7 +137,8 @@ fn what_is_left_of_a_model_s_error_is_what_moves_the_estimate() {
         // Q = Φ(-1.3); the slope of Q(ω) in Q is ω/(1 - Q + ωQ)².
         let (known, targeted) = (distribution(-threshold), at(threshold).1);
         let odds = exp(targeted.log_odds);
-        let slope = odds / (1.0 - known + odds * known).powi(2) * -density(threshold);
+        let lowered = 1.0 - known + odds * known;
+        let slope = -density(threshold) * odds / (lowered * lowered);
         let ratio = found / slope;
         assert!(
             (targeted.log_odds.abs() > 0.1) && (ratio / targeted.left - 1.0).abs() < 0.05,
