@@ -27,7 +27,7 @@ use encounter::design::pool::{Pool, Used};
 use encounter::design::quadrature::Quadrature;
 use encounter::design::sequence::Sequence;
 use encounter::design::sequential::{Design, Input};
-use encounter::design::settings::{LookAhead, VhgpSeq};
+use encounter::design::settings::{LookAhead, Shared};
 use encounter::numerics::elementary::{cos, exp, ln};
 use files::{Refusal, line, read, refusal, table, write};
 use rand_chacha::ChaCha12Rng;
@@ -100,7 +100,7 @@ struct State {
     t_p: f64,
     h_s: f64,
     theta_t: f64,
-    vhgp_seq: VhgpSeq,
+    vhgp_seq: Shared,
     vhgp_best: LookAhead,
     #[serde(default)]
     told: Vec<Told>,
@@ -253,7 +253,7 @@ fn load(folder: &Path) -> Result<(State, Vec<Group>, File), Refusal> {
 
 #[derive(Deserialize)]
 struct Settings {
-    vhgp_seq: VhgpSeq,
+    vhgp_seq: Shared,
     vhgp_best: LookAhead,
 }
 

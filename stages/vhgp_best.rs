@@ -12,7 +12,7 @@ use crate::design::pool::{Pool, Used};
 use crate::design::quadrature::Quadrature;
 use crate::design::response_pool::ResponsePool as Responses;
 use crate::design::sequential::{Input, Realisation, sequential};
-use crate::design::settings::{LookAhead, VhgpSeq as Shared};
+use crate::design::settings::{LookAhead, Shared};
 use crate::engine::arrow::One;
 use crate::engine::error::{Error, Result};
 use crate::engine::stage::{Here, Pieces, Select, Stage};

@@ -78,6 +78,14 @@ fn no_more_runs_than_an_edit_needs() {
     let of_the_other = |node: &&String| node.contains("printed") && *node != "index/printed";
     assert_eq!(damping.keys().find(of_the_other), None);
 
+    // Designs that look ahead share the number of samples with the paper's method, not where it takes them.
+    let moved = program.ran(&["--set", "vhgp_seq.tau=[0.3, 0.03]"]);
+    let ran = stages(&moved);
+    assert!(ran.contains("vhgp_seq") && ran.contains("table1"), "{ran:?}");
+    for untouched in ["vhgp_best", "vhgp_control", "linear_response"] {
+        assert!(!ran.contains(untouched), "{untouched} in {ran:?}");
+    }
+
     let more = program.ran(&["--set", "vhgp_seq.realisations=4"]);
     let new: BTreeSet<u64> = [1, 2, 3].into();
     for stage in ["vhgp_seq", "random_sampling"] {

@@ -137,12 +137,39 @@ impl VhgpSeq {
     }
 }
 
+/// What the designs that look ahead share with the paper's: all that they read of `[vhgp_seq]`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Shared {
+    /// Samples at the end.
+    #[serde(deserialize_with = "count")]
+    pub total: u32,
+    /// k, unused groups near a query from which its response is drawn.
+    #[serde(deserialize_with = "count")]
+    pub neighbours: u32,
+    /// Rows of Table 1.
+    pub case: Vec<Case>,
+    /// Whether the model sees (y - mean)/sd of the current samples, or y itself.
+    pub standardise: bool,
+    /// Bounds and tolerances of the fit, in units of what the model sees; its kernels are replaced.
+    pub fit: Fitting,
+}
+
+impl Shared {
+    /// Rules that span several keys.
+    ///
+    /// # Errors
+    /// A sentence naming the key, what was expected and what was found.
+    pub fn check(&self) -> Result<(), String> {
+        self.fit.check(2)
+    }
+}
+
 /// Below, nothing moves; above, nothing holds.
 const LOG_ODDS_DEVIATIONS: std::ops::RangeInclusive<f64> = 1e-3..=1e3;
 
 /// The `[vhgp_best]` and `[vhgp_control]` tables: a design that looks ahead, in two coordinates of its own.
 ///
-/// What it shares with the paper's method stands in `[vhgp_seq]`.
+/// What it shares with the paper's method stands in `[vhgp_seq]` ([`Shared`]).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct LookAhead {
@@ -172,22 +199,28 @@ pub struct LookAhead {
 }
 
 impl LookAhead {
-    /// How it is laid out for a threshold; the rest as in the paper's method.
-    pub fn design(&self, shared: &VhgpSeq, theta_t: f64) -> Design {
-        let plan = Plan::LookAhead { tau: self.tau };
-        let mut design = shared.laid_out(plan);
-        (design.initial, design.batch) = (self.initial, self.batch);
-        (design.cap, design.scale) = (self.cap * theta_t, self.response_scale);
-        design.log_odds_deviation = self.log_odds_deviation;
-        (design.fit.k_f, design.fit.k_g) = (self.k_f.clone(), self.k_g.clone());
-        design
+    /// How it is laid out for a threshold.
+    pub fn design(&self, shared: &Shared, theta_t: f64) -> Design {
+        let mut fit = shared.fit.clone();
+        (fit.k_f, fit.k_g) = (self.k_f.clone(), self.k_g.clone());
+        Design {
+            initial: self.initial,
+            batch: self.batch,
+            total: shared.total,
+            cap: self.cap * theta_t,
+            scale: self.response_scale,
+            standardise: shared.standardise,
+            log_odds_deviation: self.log_odds_deviation,
+            fit,
+            plan: Plan::LookAhead { tau: self.tau },
+        }
     }
 
-    /// Rules that span several keys; `shared` has been checked.
+    /// Rules that span several keys.
     ///
     /// # Errors
     /// A sentence naming the key, what was expected and what was found.
-    pub fn check(&self, shared: &VhgpSeq) -> Result<(), String> {
+    pub fn check(&self, shared: &Shared) -> Result<(), String> {
         if shared.total < self.initial {
             let (total, initial) = (shared.total, self.initial);
             return Err(format!(

@@ -8,7 +8,7 @@ use encounter::design::estimate::{exceedance, probability};
 use encounter::design::pool::{Pool, Used};
 use encounter::design::quadrature::Quadrature;
 use encounter::design::sequential::{Design, Input, sequential};
-use encounter::design::settings::{LookAhead, VhgpSeq};
+use encounter::design::settings::{LookAhead, Shared, VhgpSeq};
 use encounter::gp::elbo::Elbo;
 use encounter::gp::fit::Fit;
 use encounter::gp::vhgp::Vhgp;
@@ -37,7 +37,7 @@ fn shared() -> VhgpSeq {
 }
 
 fn best() -> Design {
-    table::<LookAhead>("vhgp_best").design(&shared(), 0.9)
+    table::<LookAhead>("vhgp_best").design(&table::<Shared>("vhgp_seq"), 0.9)
 }
 
 /// 200,000 groups in (ln L/T_p, A/H_s) and a roll with scatter, about as many exceedances as S2 has.

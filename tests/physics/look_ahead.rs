@@ -7,7 +7,7 @@ use encounter::design::pool::{Pool, Used};
 use encounter::design::quadrature::Quadrature;
 use encounter::design::response_scale::ResponseScale;
 use encounter::design::sequential::{Design, Input, Plan, Realisation, sequential};
-use encounter::design::settings::{LookAhead, VhgpSeq};
+use encounter::design::settings::{LookAhead, Shared, VhgpSeq};
 use encounter::gp::grid::{Pair, covariances_on, means_on};
 use encounter::gp::vhgp::Vhgp;
 use encounter::numerics::elementary::{exp, ln};
@@ -17,7 +17,7 @@ use encounter::numerics::sums::{mean, standard_deviation};
 use rand_chacha::ChaCha12Rng;
 use rand_chacha::rand_core::SeedableRng;
 
-fn shared() -> VhgpSeq {
+fn shared() -> Shared {
     paper::table("vhgp_seq")
 }
 
@@ -201,7 +201,7 @@ fn the_first_samples_follow_the_density() {
 #[test]
 fn a_hypercube_is_laid_out_beforehand() {
     let pool = groups();
-    let mut settings = shared();
+    let mut settings = paper::table::<VhgpSeq>("vhgp_seq");
     (settings.initial, settings.total, settings.domain[0]) = (20, 26, [-1.0, 1.6]);
     let design = settings.hypercube();
     assert!(matches!(design.plan, Plan::Hypercube { .. }));

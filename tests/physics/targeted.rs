@@ -7,7 +7,7 @@ use encounter::design::pool::{Pool, Used};
 use encounter::design::quadrature::Quadrature;
 use encounter::design::response_scale::ResponseScale;
 use encounter::design::sequential::{Input, sequential};
-use encounter::design::settings::{LookAhead, VhgpSeq};
+use encounter::design::settings::{LookAhead, Shared};
 use encounter::design::targeted::{Targeted, log_odds, weights};
 use encounter::gp::vhgp::Vhgp;
 use encounter::numerics::elementary::{exp, ln};
@@ -150,7 +150,7 @@ fn what_is_left_of_a_model_s_error_is_what_moves_the_estimate() {
 #[test]
 fn a_fit_that_fails_leaves_the_estimate_to_the_samples_before() {
     let points = points();
-    let (shared, own): (VhgpSeq, LookAhead) = (paper::table("vhgp_seq"), paper::table("vhgp_control"));
+    let (shared, own): (Shared, LookAhead) = (paper::table("vhgp_seq"), paper::table("vhgp_control"));
     let input = Input::on_nodes(Quadrature::new(&points, own.quadrature));
     let mut told = 0;
     let respond = |query: [f64; 2], _: &mut _| {
@@ -193,7 +193,7 @@ fn it_removes_most_of_the_bias_that_a_wrong_law_leaves() {
     let r = skewed(&points);
     let threshold = 2.0;
     let p_true = estimate::share_above(&r, threshold);
-    let (shared, mut own): (VhgpSeq, LookAhead) = (paper::table("vhgp_seq"), paper::table("vhgp_control"));
+    let (shared, mut own): (Shared, LookAhead) = (paper::table("vhgp_seq"), paper::table("vhgp_control"));
     own.cap = 1e9;
     own.response_scale = ResponseScale::Identity;
     let input = Input::on_nodes(Quadrature::new(&points, own.quadrature));
@@ -231,7 +231,7 @@ fn a_model_that_is_right_keeps_its_estimate() {
         .iter()
         .map(|x| x[0] + 0.3 * from_uniform(uniform(&mut s)))
         .collect();
-    let shared: VhgpSeq = paper::table("vhgp_seq");
+    let shared: Shared = paper::table("vhgp_seq");
     let fit = shared.fit.fit(&points[..150], &y, None, &mut s).expect("fits");
     let model = Vhgp::new(&points[..150], &y, &fit.theta, shared.fit.jitter).expect("positive definite");
     let q = Quadrature::new(&points, [48, 48]);
