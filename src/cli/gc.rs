@@ -1,17 +1,19 @@
 //! `encounter gc`: make room in the store; what goes can be made again.
 
-use std::collections::BTreeSet;
-use std::fmt::Write as _;
-use std::io::{BufRead, BufReader, Read, Write};
+use std::fs;
+use std::io::ErrorKind;
 use std::path::Path;
-use std::process::{Command, Stdio};
 
 use clap::Args;
 use serde_json::json;
 
 use crate::cli::{Common, print_json, progress, say};
+use crate::engine::claim;
+use crate::engine::disk::read_text;
 use crate::engine::error::{Error, Result};
-use crate::engine::gc::{self, Alone, BOUND, Sweep, carry_out, locks_in, plan};
+use crate::engine::gc::{self, Alone, BOUND, Sweep, plan};
+use crate::engine::lock::Lock;
+use crate::engine::store::Store;
 use crate::stages::PIPELINE;
 
 /// Arguments of `encounter gc`.
@@ -51,31 +53,28 @@ fn size(text: &str) -> std::result::Result<u64, String> {
 /// Runs the verb.
 ///
 /// # Errors
-/// A damaged lock, or a file that cannot be removed.
+/// A damaged lock, anything in the store that cannot be read, or a file that cannot be removed.
 pub fn gc(args: &GcArgs) -> Result<()> {
     if args.common.is_custom() {
         // They say nothing to `gc`; a mistyped one is told as by every verb.
         args.common.open(&[])?;
     }
     let root = args.common.store_folder()?;
-    if !root.exists() {
+    claim::check(&root)?;
+    if !claim::is_marked(&root) {
         tell(args, &Sweep::default());
         return Ok(());
     }
-    if !["objects", "records"].iter().all(|folder| root.join(folder).is_dir()) {
-        return Err(Error::Usage(format!(
-            "--store {}: expected a store, with the folders objects and records; nothing was removed",
-            root.display()
-        )));
-    }
+    let locks = committed()?;
     if args.dry_run {
-        tell(args, &plan(&root, &PIPELINE, &committed(&root), args.max)?);
+        let store = Store::look(&root);
+        tell(args, &plan(&store, &PIPELINE, &locks, args.max)?);
         return Ok(());
     }
     let waiting = || progress::tell("waiting for the runs that use this store");
-    let alone = Alone::wait(&root, &waiting)?;
-    let sweep = plan(&root, &PIPELINE, &committed(&root), args.max)?;
-    carry_out(&alone, &root, &sweep)?;
+    let alone = Alone::wait(Store::disk(&root)?, &waiting)?;
+    let sweep = plan(alone.store(), &PIPELINE, &locks, args.max)?;
+    alone.carry_out(&sweep)?;
     tell(args, &sweep);
     Ok(())
 }
@@ -85,7 +84,7 @@ fn tell(args: &GcArgs, sweep: &Sweep) {
     if args.common.json {
         print_json(&json!({
             "format": 1, "dry_run": args.dry_run, "bytes": sweep.bytes, "freed": sweep.freed, "seconds": sweep.seconds,
-            "unreached": sweep.unreached, "evicted": evicted,
+            "unreached": sweep.unreached, "evicted": evicted, "foreign": sweep.foreign,
         }));
         return;
     }
@@ -103,18 +102,29 @@ fn tell(args: &GcArgs, sweep: &Sweep) {
          room; {left:.2} MB {} left",
         words[0], sweep.seconds, sweep.unreached, words[1]
     ));
+    if let [first, rest @ ..] = sweep.foreign.as_slice() {
+        let more = match rest.len() {
+            0 => String::new(),
+            more => format!(" and {more} more"),
+        };
+        say(format_args!("left     {first}{more}: no file of the store"));
+    }
 }
 
 /// After a run: makes room if the store is over its bound and nobody else is at work; any trouble is for the next time.
 pub(super) fn after_run(root: &Path) {
-    if gc::bytes(root).is_ok_and(|bytes| bytes <= BOUND) {
-        return;
-    }
-    let Some(alone) = Alone::now(root) else { return };
-    let swept = plan(root, &PIPELINE, &committed(root), BOUND);
-    if let Ok(sweep) = swept
-        && carry_out(&alone, root, &sweep).is_ok()
-    {
+    let make_room = || -> Result<Option<Sweep>> {
+        if gc::bytes(&Store::look(root))? <= BOUND {
+            return Ok(None);
+        }
+        let Some(alone) = Alone::now(Store::disk(root)?) else {
+            return Ok(None);
+        };
+        let sweep = plan(alone.store(), &PIPELINE, &committed()?, BOUND)?;
+        alone.carry_out(&sweep)?;
+        Ok(Some(sweep))
+    };
+    if let Ok(Some(sweep)) = make_room() {
         let freed = sweep.freed as f64 / 1e6;
         progress::tell(&format!("the store was over 8 GiB: freed {freed:.2} MB"));
     }
@@ -126,8 +136,9 @@ pub(super) fn hint(error: Error, root: &Path) -> Error {
         Error::Full {
             path, needed, source, ..
         } => {
-            let could = is_on_the_disk_of(root, &path).then(|| plan(root, &PIPELINE, &committed(root), 0));
-            let freeable = could.and_then(Result::ok).map(|sweep| sweep.freed);
+            let could = || plan(&Store::look(root), &PIPELINE, &committed()?, 0);
+            let freeable = is_on_the_disk_of(root, &path).then(could).and_then(Result::ok);
+            let freeable = freeable.map(|sweep| sweep.freed);
             Error::Full {
                 path,
                 needed,
@@ -156,66 +167,31 @@ fn is_on_the_disk_of(root: &Path, path: &Path) -> bool {
     path.starts_with(root)
 }
 
-/// The texts of the locks at every ref of the git repository that the store lies in; none outside of one.
-fn committed(root: &Path) -> Vec<String> {
-    read_refs(root).unwrap_or_default()
-}
-
-fn read_refs(root: &Path) -> Option<Vec<String>> {
-    let prefix = git(root, &["rev-parse", "--show-prefix"])?;
-    let refs = git(root, &["for-each-ref", "--format=%(objectname)"])?;
-    let revisions: BTreeSet<&str> = refs.lines().chain(["HEAD"]).collect();
-    let mut names: BTreeSet<String> = locks_in(root).ok()?.into_iter().map(|(name, _)| name).collect();
-    names.extend(["paper", "quick", "tiny"].map(|profile| format!("{profile}.lock")));
-    let mut questions = String::new();
-    for revision in revisions {
-        for name in &names {
-            let _ = writeln!(questions, "{revision}:{}{name}", prefix.trim_end());
+/// The committed locks of the checkout; none outside of one.
+///
+/// # Errors
+/// A lock that cannot be read, or is damaged, so that what it keeps is not known.
+fn committed() -> Result<Vec<Lock>> {
+    let Ok(checkout) = Common::root() else {
+        return Ok(Vec::new());
+    };
+    let folder = checkout.join("artifacts");
+    let entries = match fs::read_dir(&folder) {
+        Err(why) if why.kind() == ErrorKind::NotFound => return Ok(Vec::new()),
+        entries => entries.map_err(Error::io("look for locks in", &folder))?,
+    };
+    let mut locks = Vec::new();
+    for entry in entries {
+        let path = entry.map_err(Error::io("look for locks in", &folder))?.path();
+        let is_lock = path.extension().is_some_and(|extension| extension == "lock");
+        if !is_lock || path.file_name().is_some_and(|name| name == "store.lock") {
+            continue;
+        }
+        let text = read_text(&path).map_err(Error::io("read the lock", &path))?;
+        // Other programs call their files so, too.
+        if text.starts_with("encounter-lock") {
+            locks.push(Lock::parse_file(&path.display().to_string(), &text)?);
         }
     }
-    let mut git = Command::new("git");
-    let git = git.arg("-C").arg(root).args(["cat-file", "--batch"]);
-    let mut child = git
-        .stdin(Stdio::piped())
-        .stdout(Stdio::piped())
-        .stderr(Stdio::null())
-        .spawn()
-        .ok()?;
-    let (mut asked, answers) = (child.stdin.take()?, BufReader::new(child.stdout.take()?));
-    let texts = std::thread::scope(|scope| {
-        // Questions and answers are both longer than a pipe.
-        scope.spawn(move || asked.write_all(questions.as_bytes()));
-        blobs(answers)
-    });
-    child.wait().ok()?;
-    Some(texts.into_iter().collect())
-}
-
-/// The blobs among the answers of `git cat-file --batch`, each once.
-fn blobs(mut answers: impl BufRead) -> BTreeSet<String> {
-    let mut texts = BTreeSet::new();
-    let mut head = String::new();
-    while answers.read_line(&mut head).is_ok_and(|read| read > 0) {
-        let words: Vec<&str> = head.split_whitespace().collect();
-        if let [_, kind, length] = words.as_slice()
-            && let Ok(length) = length.parse::<u64>()
-        {
-            let mut bytes = Vec::new();
-            // A line feed follows.
-            if answers.by_ref().take(length + 1).read_to_end(&mut bytes).is_err() {
-                break;
-            }
-            if *kind == "blob" {
-                texts.insert(String::from_utf8_lossy(&bytes).into_owned());
-            }
-        }
-        head.clear();
-    }
-    texts
-}
-
-fn git(root: &Path, arguments: &[&str]) -> Option<String> {
-    let output = Command::new("git").arg("-C").arg(root).args(arguments).output().ok()?;
-    let text = String::from_utf8(output.stdout).ok()?;
-    output.status.success().then_some(text)
+    Ok(locks)
 }

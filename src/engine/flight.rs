@@ -6,17 +6,16 @@
 
 use std::collections::BTreeSet;
 use std::fs::{File, TryLockError};
-use std::path::PathBuf;
+use std::io;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use crate::engine::disk::Disk;
-use crate::engine::error::{Error, Result};
 use crate::engine::id::Key;
+use crate::engine::names::Place;
 
 /// The keys that are being made.
 pub(crate) struct Flight {
-    folder: PathBuf,
     disk: Arc<dyn Disk>,
     held: Arc<Held>,
     without_locks: AtomicBool,
@@ -44,13 +43,17 @@ pub(crate) struct KeyLock {
 }
 
 impl Flight {
-    pub(crate) fn new(folder: PathBuf, disk: Arc<dyn Disk>, without_locks: bool) -> Self {
+    pub(crate) fn new(disk: Arc<dyn Disk>) -> Self {
         Self {
-            folder,
             disk,
             held: Arc::default(),
-            without_locks: AtomicBool::new(without_locks),
+            without_locks: AtomicBool::new(false),
         }
+    }
+
+    /// Takes note that the file system has no locks.
+    pub(crate) fn go_without_locks(&self) {
+        self.without_locks.store(true, Ordering::Relaxed);
     }
 
     /// Whether a lock was asked for that the file system could not give.
@@ -59,7 +62,10 @@ impl Flight {
     }
 
     /// Takes a key, if nobody else has it; never waits.
-    pub(crate) fn hold(&self, key: &Key) -> Result<Hold> {
+    ///
+    /// # Errors
+    /// A lock file that cannot be made.
+    pub(crate) fn hold(&self, key: &Key) -> io::Result<Hold> {
         if !self.held.keys().insert(*key) {
             return Ok(Hold::InThisProcess);
         }
@@ -68,9 +74,7 @@ impl Flight {
             file: None,
             held: Arc::clone(&self.held),
         };
-        let path = self.folder.join(key.to_string());
-        let file = self.disk.open_lock(&path, false);
-        let file = file.map_err(Error::writing("make the lock", &path, 0))?;
+        let file = self.disk.open_lock(&Place::KeyLock(*key).at(), false)?;
         match self.disk.try_lock(&file, true) {
             Ok(()) => lock.file = Some(file),
             Err(TryLockError::WouldBlock) => return Ok(Hold::Elsewhere),
@@ -86,20 +90,10 @@ impl Held {
     }
 }
 
-impl KeyLock {
-    /// Whether the kernel keeps other processes out.
-    pub(crate) fn is_exclusive(&self) -> bool {
-        self.file.is_some()
-    }
-
-    pub(crate) fn key(&self) -> &Key {
-        &self.key
-    }
-}
-
 impl Drop for KeyLock {
     fn drop(&mut self) {
-        // The file first: who finds the key free in this process may take it for another's otherwise.
+        // The file lock is released before the key is free in this process. Otherwise another thread would see the key as
+        // free here while the file still says that somebody holds it.
         self.file.take();
         self.held.keys().remove(&self.key);
     }

@@ -1,21 +1,28 @@
 //! Gc: what can be made again gives way when room is short. The disk is scanned; no index is believed.
 //!
-//! Roots: the locks beside the store, those in git, the last runs, and what was made since the last run ended (a killed
-//! run's work). What no root reaches goes first; then, while more than the bound is left, the bytes of outputs that may
-//! go, by bytes x age / seconds to make them again. Their records stay, so nothing below them runs again.
+//! Roots: the committed locks of the checkout, the last runs of every checkout that uses the store, and what was made since
+//! the last run ended (a killed run's work). What no root reaches goes first; then, while more than the bound is left, the
+//! bytes of outputs that may go, those first that are made again fastest for their size. Their records stay, so nothing
+//! below them runs again.
+//!
+//! What cannot be read is no garbage: any doubt about what a root reaches ends the collection before anything is removed.
+//! Only files whose names a store gives are ever removed ([`Place`]). Tested in `tests/cache/gc.rs`, `tests/reliability`.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::ffi::OsStr;
-use std::fs::{self, File};
-use std::io;
-use std::path::{Path, PathBuf};
+use std::fs::File;
+use std::io::{self, ErrorKind};
+use std::path::Path;
+use std::sync::Arc;
 use std::time::SystemTime;
 
-use crate::engine::disk::{Disk, Listed, System, files_in, read_text};
+use crate::engine::claim;
+use crate::engine::disk::Disk;
 use crate::engine::error::{Error, Result};
-use crate::engine::id::Id;
+use crate::engine::id::{Id, Key};
+use crate::engine::listing::listed;
 use crate::engine::lock::Lock;
 use crate::engine::manifest;
+use crate::engine::names::{Folder, Place};
 use crate::engine::pipeline::Pipeline;
 use crate::engine::record::Record;
 use crate::engine::runs;
@@ -30,27 +37,23 @@ pub const BOUND: u64 = 8 << 30;
 pub struct Sweep {
     /// The store's size before, bytes.
     pub bytes: u64,
-    /// What no lock and no run reaches: records, then objects, then the rest.
-    garbage: Vec<PathBuf>,
+    /// What no lock and no run reaches.
+    garbage: Vec<Place>,
     /// Objects among them.
     pub unreached: usize,
     /// Objects that only room takes, each with the records that name it.
-    evicted: Vec<(PathBuf, Vec<Noted>)>,
+    evicted: Vec<(Id, Vec<Record>)>,
+    /// What lies in the store's folders and is none of its files: it stays.
+    pub foreign: Vec<String>,
     /// Bytes freed.
     pub freed: u64,
     /// What it took to make what goes, seconds.
     pub seconds: f64,
 }
 
-/// A record and where it lies.
-#[derive(Clone, Debug)]
-struct Noted {
-    path: PathBuf,
-    record: Record,
-}
-
 /// The store, which nobody else is reading or writing.
 pub struct Alone {
+    store: Store,
     _lock: File,
 }
 
@@ -58,70 +61,96 @@ impl Alone {
     /// Waits until no run lives; `waiting` is called once if one does.
     ///
     /// # Errors
-    /// A store that cannot be locked.
-    pub fn wait(root: &Path, waiting: &dyn Fn()) -> Result<Self> {
-        let path = root.join("store.lock");
-        let file = System.open_lock(&path, false);
-        let file = file.map_err(Error::writing("make the store's lock", &path, 0))?;
-        if wait_for(&System, &file, true, waiting) {
-            return Ok(Self { _lock: file });
+    /// A folder that is no store, or that cannot be locked.
+    pub fn wait(disk: Arc<dyn Disk>, waiting: &dyn Fn()) -> Result<Self> {
+        let lock = open_lock(disk.as_ref())?;
+        if wait_for(disk.as_ref(), &lock, true, waiting) {
+            return Ok(Self::with(disk, lock));
         }
-        let no_locks = io::Error::new(io::ErrorKind::Unsupported, "this file system has no locks");
-        Err(Error::io("keep runs out of the store by", path)(no_locks))
+        let no_locks = io::Error::new(ErrorKind::Unsupported, "this file system has no locks");
+        Err(Error::io("keep runs out of the store", disk.root())(no_locks))
     }
 
     /// The same, or none if somebody is at work.
-    pub fn now(root: &Path) -> Option<Self> {
-        let file = System.open_lock(&root.join("store.lock"), false).ok()?;
-        System.try_lock(&file, true).ok()?;
-        Some(Self { _lock: file })
+    pub fn now(disk: Arc<dyn Disk>) -> Option<Self> {
+        let lock = open_lock(disk.as_ref()).ok()?;
+        disk.try_lock(&lock, true).ok()?;
+        Some(Self::with(disk, lock))
     }
-}
 
-/// The locks that lie beside the objects of a store: name and text.
-///
-/// # Errors
-/// A lock that cannot be read as text.
-pub fn locks_in(root: &Path) -> Result<Vec<(String, String)>> {
-    let mut locks = Vec::new();
-    for entry in fs::read_dir(root).into_iter().flatten().flatten() {
-        let name = entry.file_name().to_string_lossy().into_owned();
-        if entry.path().extension().is_some_and(|extension| extension == "lock") && name != "store.lock" {
-            let text = read_text(&entry.path()).map_err(Error::io("read the lock", entry.path()))?;
-            locks.push((name, text));
+    fn with(disk: Arc<dyn Disk>, lock: File) -> Self {
+        let store = Store::unlocked(disk);
+        Self { store, _lock: lock }
+    }
+
+    /// The store, which must not take the lock on the whole: it is held already.
+    pub fn store(&self) -> &Store {
+        &self.store
+    }
+
+    /// Takes away what a plan found.
+    ///
+    /// # Errors
+    /// A file that cannot be written or removed.
+    pub fn carry_out(&self, sweep: &Sweep) -> Result<()> {
+        for (id, records) in &sweep.evicted {
+            for record in records.iter().filter(|record| !record.evicted) {
+                let key = Key::parse(&record.key).expect("a scanned record names its key");
+                let mut record = record.clone();
+                record.evicted = true;
+                self.store.write(&Place::Record(key), record.text().as_bytes(), true)?;
+            }
+            self.remove(&Place::Object(*id))?;
+        }
+        // Records go before their objects: what a kill leaves is garbage, and no record of something that is gone.
+        sweep.garbage.iter().rev().try_for_each(|place| self.remove(place))
+    }
+
+    fn remove(&self, place: &Place) -> Result<()> {
+        match self.store.files().remove(&place.at()) {
+            Err(why) if why.kind() != ErrorKind::NotFound => Err(Error::io("remove", self.store.path(place))(why)),
+            _ => Ok(()),
         }
     }
-    locks.sort();
-    Ok(locks)
 }
 
-/// The size of a store, without what belongs to the user, bytes.
+/// Opens the lock on the whole of a folder that says it is a store.
+fn open_lock(disk: &dyn Disk) -> Result<File> {
+    if !claim::is_marked(disk.root()) {
+        return Err(Error::Usage(format!(
+            "--store {}: expected a store, which holds the file `{}`; nothing was removed",
+            disk.root().display(),
+            Place::Marker.at()
+        )));
+    }
+    let at = Place::StoreLock.at();
+    let file = disk.open_lock(&at, false);
+    file.map_err(Error::writing("make the store's lock", disk.root().join(at.text()), 0))
+}
+
+/// The size of a store without what is not its own, bytes.
 ///
 /// # Errors
 /// A folder that cannot be read.
-pub fn bytes(root: &Path) -> Result<u64> {
-    let folders = ["objects", "records", "parts", "manifests", "tmp", "locks", "quarantine"];
-    folders.into_iter().try_fold(0, |all: u64, folder| {
-        let files = files_in(&root.join(folder))?;
-        Ok(files.iter().fold(all, |all, file| all.saturating_add(file.bytes)))
+pub fn bytes(store: &Store) -> Result<u64> {
+    Folder::ALL.into_iter().try_fold(0, |all: u64, folder| {
+        let files = listed(store, folder)?;
+        let ours = files.iter().filter(|file| file.place.is_some());
+        Ok(ours.fold(all, |all, file| all.saturating_add(file.bytes)))
     })
 }
 
-/// Finds what can go: all that nothing reaches, then what may go until the store is within `bound`. `committed` are the
-/// texts of locks elsewhere, such as in git; one that cannot be read is none.
+/// Finds what can go: all that nothing reaches, then what may go until the store is within `bound`. `locks` are the
+/// committed ones.
 ///
 /// # Errors
-/// A lock beside the store that is damaged, or a folder that cannot be read, so that what they reach is not known.
-pub fn plan(root: &Path, pipeline: &Pipeline, committed: &[String], bound: u64) -> Result<Sweep> {
-    let mut locks = Vec::new();
-    for (name, text) in locks_in(root)? {
-        locks.push(Lock::parse_file(&root.join(name).display().to_string(), &text)?);
-    }
-    locks.extend(committed.iter().filter_map(|text| Lock::parse(text).ok()));
-    let scan = Scan::new(root)?;
-    let roots = Roots::new(root, &locks, &scan);
+/// Anything that cannot be read, so that what it reaches is not known.
+pub fn plan(store: &Store, pipeline: &Pipeline, locks: &[Lock], bound: u64) -> Result<Sweep> {
+    let scan = Scan::new(store)?;
+    let roots = Roots::new(store, locks, &scan)?;
     let mut sweep = Sweep {
-        bytes: bytes(root)?,
+        bytes: scan.files.values().fold(0, |all, (bytes, _)| all.saturating_add(*bytes)),
+        foreign: scan.foreign.clone(),
         ..Sweep::default()
     };
     sweep.take_garbage(&scan, &roots);
@@ -129,90 +158,52 @@ pub fn plan(root: &Path, pipeline: &Pipeline, committed: &[String], bound: u64) 
     Ok(sweep)
 }
 
-/// Takes away what a plan found.
-///
-/// # Errors
-/// A file that cannot be written or removed.
-pub fn carry_out(_: &Alone, root: &Path, sweep: &Sweep) -> Result<()> {
-    // It would wait for us: the lock on the whole is held already.
-    let store = Store::unlocked(root);
-    for (object, records) in &sweep.evicted {
-        for noted in records.iter().filter(|noted| !noted.record.evicted) {
-            let mut record = noted.record.clone();
-            record.evicted = true;
-            store.write(&noted.path, record.text().as_bytes(), true)?;
-        }
-        remove(object)?;
-    }
-    sweep.garbage.iter().try_for_each(|path| remove(path))
-}
-
-fn remove(path: &Path) -> Result<()> {
-    match fs::remove_file(path) {
-        Err(why) if why.kind() != io::ErrorKind::NotFound => Err(Error::io("remove", path)(why)),
-        _ => Ok(()),
-    }
-}
-
-/// Everything in a store but what belongs to the user.
+/// Everything in a store.
 struct Scan {
-    objects: BTreeMap<Id, Listed>,
-    records: BTreeMap<Id, Vec<(Noted, SystemTime)>>,
-    damaged: Vec<Listed>,
-    parts: Vec<Listed>,
-    manifests: Vec<Listed>,
-    /// `tmp/`, `locks/`, `quarantine/`.
-    rest: Vec<Listed>,
-    record_bytes: BTreeMap<PathBuf, u64>,
+    /// Every file of the store: its length and when it was last written.
+    files: BTreeMap<Place, (u64, SystemTime)>,
+    /// Undamaged records by the id they name.
+    records: BTreeMap<Id, Vec<(Key, Record)>>,
+    foreign: Vec<String>,
 }
 
 impl Scan {
-    fn new(root: &Path) -> Result<Self> {
-        let named_objects = files_in(&root.join("objects"))?.into_iter();
-        let objects = named_objects
-            .filter_map(|item| Some((named(&item.path)?, item)))
-            .collect();
-        let mut records: BTreeMap<Id, Vec<(Noted, SystemTime)>> = BTreeMap::new();
-        let (mut damaged, mut record_bytes) = (Vec::new(), BTreeMap::new());
-        for item in files_in(&root.join("records"))?
-            .into_iter()
-            .filter(|item| is_record(&item.path))
-        {
-            let text = read_text(&item.path).unwrap_or_default();
-            let record = Record::parse(&text);
-            match record.and_then(|record| Some((Id::parse(&record.id)?, record))) {
-                None => damaged.push(item),
-                Some((id, record)) => {
-                    record_bytes.insert(item.path.clone(), item.bytes);
-                    let path = item.path;
-                    let noted = Noted { path, record };
-                    records.entry(id).or_default().push((noted, item.modified));
+    fn new(store: &Store) -> Result<Self> {
+        let mut scan = Self {
+            files: BTreeMap::new(),
+            records: BTreeMap::new(),
+            foreign: Vec::new(),
+        };
+        for folder in Folder::ALL {
+            for file in listed(store, folder)? {
+                match file.place {
+                    Some(place) => drop(scan.files.insert(place, (file.bytes, file.modified))),
+                    None => scan.foreign.push(file.path),
                 }
             }
         }
-        let mut rest = Vec::new();
-        for folder in ["tmp", "locks", "quarantine"] {
-            rest.extend(files_in(&root.join(folder))?);
+        for place in scan.files.keys() {
+            let Place::Record(key) = place else { continue };
+            let record = match store.read_text(place) {
+                Err(why) if why.kind() != ErrorKind::InvalidData => {
+                    return Err(Error::io("read the record", store.path(place))(why));
+                }
+                text => text.ok().and_then(|text| Record::parse(&text)),
+            };
+            // A record that is damaged is a miss: whatever it named is as good as never made.
+            let record = record.filter(|record| record.key == key.to_string());
+            if let Some((id, record)) = record.and_then(|record| Some((Id::parse(&record.id)?, record))) {
+                scan.records.entry(id).or_default().push((*key, record));
+            }
         }
-        // Only what the store names: a stranger's file is not ours to remove.
-        rest.retain(|item| item.path.file_name().and_then(OsStr::to_str).is_some_and(is_ours));
-        Ok(Self {
-            objects,
-            records,
-            damaged,
-            parts: files_in(&root.join("parts"))?,
-            manifests: files_in(&root.join("manifests"))?,
-            rest,
-            record_bytes,
-        })
+        Ok(scan)
     }
 
     /// What it took to make an output, seconds.
     fn seconds(&self, id: &Id) -> f64 {
         let records = self.records.get(id).into_iter().flatten();
-        records
-            .map(|(noted, _)| noted.record.seconds)
-            .fold(0.0, |a, b| if b > a { b } else { a })
+        let seconds = records.map(|(_, record)| record.seconds);
+        seconds.fold(0.0, |a, b| if b > a { b } else { a })
     }
 }
 
@@ -223,40 +214,57 @@ struct Roots {
 }
 
 impl Roots {
-    fn new(root: &Path, locks: &[Lock], scan: &Scan) -> Self {
-        let mut roots = Self {
-            ids: BTreeSet::new(),
-            contents: BTreeSet::new(),
-        };
-        let mut unknown = BTreeSet::new();
-        let (runs, ended) = runs::last(root);
-        let locked = locks.iter().flat_map(|lock| &lock.lines);
-        let locked = locked
-            .filter(|line| line.pieces.is_some())
-            .map(|line| (line.name.as_str(), Some(line.content)));
-        let used = runs.iter().flat_map(|run| &run.contents);
-        let used = used.map(|(name, content)| (name.as_str(), Id::parse(content)));
-        for (name, content) in locked.chain(used) {
-            let Some(content) = content else { continue };
-            roots.contents.insert(content);
-            match manifest::pieces(root, &content) {
-                Some(ids) => roots.ids.extend(ids),
-                None if scan.records.contains_key(&content) => drop(roots.ids.insert(content)),
-                None => drop(unknown.insert(name.to_owned())),
-            }
+    fn new(store: &Store, locks: &[Lock], scan: &Scan) -> Result<Self> {
+        let (ids, contents) = (BTreeSet::new(), BTreeSet::new());
+        let mut roots = Self { ids, contents };
+        for line in locks.iter().flat_map(|lock| &lock.lines).filter(|line| line.pieces.is_some()) {
+            // One that was never made in this store has no manifest here, and nothing to keep.
+            roots.reach(store, line.content)?;
         }
-        let pieces = runs.iter().flat_map(|run| run.pieces.values().flatten());
-        roots.ids.extend(pieces.filter_map(|id| Id::parse(id)));
+        let (runs, ended) = runs::all(store)?;
+        for run in &runs {
+            for content in run.contents.values().filter_map(|content| Id::parse(content)) {
+                if !roots.reach(store, content)? && !scan.records.contains_key(&content) {
+                    return Err(unknown(store, content, "it is not there"));
+                }
+            }
+            let pieces = run.pieces.values().flatten();
+            roots.ids.extend(pieces.filter_map(|id| Id::parse(id)));
+        }
+        let is_recent = |key: &Key| {
+            let (_, written) = &scan.files[&Place::Record(*key)];
+            ended.is_none_or(|ended| *written > ended)
+        };
         for (id, records) in &scan.records {
-            let is_recent = |modified: &SystemTime| ended.is_none_or(|ended| *modified > ended);
-            // Whose pieces are not known keeps all that ever bore its name.
-            let stays =
-                |(noted, modified): &(Noted, SystemTime)| is_recent(modified) || unknown.contains(&noted.record.node);
-            if records.iter().any(stays) {
+            if records.iter().any(|(key, _)| is_recent(key)) {
                 roots.ids.insert(*id);
             }
         }
-        roots
+        Ok(roots)
+    }
+
+    /// Takes a content and its pieces; whether there is a list of them.
+    fn reach(&mut self, store: &Store, content: Id) -> Result<bool> {
+        self.contents.insert(content);
+        self.ids.insert(content);
+        match manifest::read(store, &content) {
+            Ok(ids) => self.ids.extend(ids),
+            Err(why) if why.kind() == ErrorKind::NotFound => return Ok(false),
+            Err(why) if why.kind() == ErrorKind::InvalidData => return Err(unknown(store, content, &why.to_string())),
+            Err(why) => return Err(Error::io("read the manifest", store.path(&Place::Manifest(content)))(why)),
+        }
+        Ok(true)
+    }
+}
+
+/// The error of a manifest that does not say which pieces a lock or a run names.
+fn unknown(store: &Store, content: Id, why: &str) -> Error {
+    Error::Damaged {
+        what: format!("the manifest {}", store.path(&Place::Manifest(content)).display()),
+        why: format!(
+            "{why}, so that the pieces of what a lock or a run names are not known, and nothing was removed; `encounter \
+             run` of the same writes it again; or remove the files of `runs/` that are of no more use"
+        ),
     }
 }
 
@@ -266,65 +274,54 @@ impl Sweep {
         self.evicted.len()
     }
 
-    fn take(&mut self, item: &Listed) {
-        self.garbage.push(item.path.clone());
-        self.freed = self.freed.saturating_add(item.bytes);
-    }
-
     fn take_garbage(&mut self, scan: &Scan, roots: &Roots) {
-        let mut named_parts = String::new();
-        for (id, records) in &scan.records {
-            for (noted, _) in records {
-                if roots.ids.contains(id) {
-                    named_parts.push_str(&noted.record.text());
-                } else {
-                    let bytes = scan.record_bytes.get(&noted.path).copied().unwrap_or(0);
-                    self.freed = self.freed.saturating_add(bytes);
-                    self.garbage.push(noted.path.clone());
-                }
+        let kept = |id: &Id| roots.ids.contains(id);
+        let mut records = BTreeSet::new();
+        let mut parts = BTreeSet::new();
+        for (key, record) in scan.records.iter().filter(|(id, _)| kept(id)).flat_map(|(_, records)| records) {
+            records.insert(*key);
+            let names = record.parts.iter().flat_map(|parts| [&parts.code, &parts.params, &parts.inputs]);
+            parts.extend(names.filter_map(|name| Id::parse(name)));
+        }
+        for (place, (bytes, _)) in &scan.files {
+            let stays = match place {
+                Place::Object(id) => kept(id),
+                Place::Record(key) => records.contains(key),
+                Place::Part(hash) => parts.contains(hash),
+                Place::Manifest(content) => roots.contents.contains(content),
+                Place::Run(..) => true,
+                _ => false,
+            };
+            if stays {
+                continue;
             }
-        }
-        for (id, item) in scan.objects.iter().filter(|(id, _)| !roots.ids.contains(id)) {
-            self.take(item);
-            self.unreached += 1;
-            self.seconds += scan.seconds(id);
-        }
-        let stem = |item: &Listed| item.path.file_stem().map(|stem| stem.to_string_lossy().into_owned());
-        let words: BTreeSet<&str> = named_parts.split('"').filter(|word| word.len() == 64).collect();
-        let unnamed = |item: &&Listed| stem(item).is_none_or(|stem| !words.contains(stem.as_str()));
-        let unused = |item: &&Listed| named(&item.path).is_none_or(|content| !roots.contents.contains(&content));
-        for item in scan.parts.iter().filter(unnamed) {
-            self.take(item);
-        }
-        for item in scan.manifests.iter().filter(unused) {
-            self.take(item);
-        }
-        for item in scan.damaged.iter().chain(&scan.rest) {
-            self.take(item);
+            if let Place::Object(id) = place {
+                self.unreached += 1;
+                self.seconds += scan.seconds(id);
+            }
+            self.freed = self.freed.saturating_add(*bytes);
+            self.garbage.push(place.clone());
         }
     }
 
     fn take_evictable(&mut self, scan: &Scan, roots: &Roots, pipeline: &Pipeline, bound: u64) {
-        let now = SystemTime::now();
-        let mut worth: Vec<(f64, &Id, &Listed)> = Vec::new();
-        for (id, item) in scan.objects.iter().filter(|(id, _)| roots.ids.contains(id)) {
+        let mut worth: Vec<(f64, Id, u64)> = Vec::new();
+        for id in &roots.ids {
             let records = scan.records.get(id).map_or(&[][..], Vec::as_slice);
-            if records.is_empty() || !records.iter().all(|(noted, _)| may_go(&noted.record, pipeline)) {
-                continue;
+            let may_go = !records.is_empty() && records.iter().all(|(_, record)| may_go(record, pipeline));
+            if let Some((bytes, _)) = scan.files.get(&Place::Object(*id)).filter(|_| may_go) {
+                worth.push((scan.seconds(id) / (*bytes as f64), *id, *bytes));
             }
-            let age = now.duration_since(item.modified).map_or(0.0, |age| age.as_secs_f64());
-            let seconds = scan.seconds(id) + 1e-6;
-            worth.push((item.bytes as f64 * (age + 1.0) / seconds, id, item));
         }
-        worth.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(b.1)));
-        for (_, id, item) in worth {
+        worth.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        for (_, id, bytes) in worth {
             if self.bytes.saturating_sub(self.freed) <= bound {
                 return;
             }
-            let records = scan.records[id].iter().map(|(noted, _)| noted.clone()).collect();
-            self.evicted.push((item.path.clone(), records));
-            self.freed = self.freed.saturating_add(item.bytes);
-            self.seconds += scan.seconds(id);
+            let records = scan.records[&id].iter().map(|(_, record)| record.clone());
+            self.evicted.push((id, records.collect()));
+            self.freed = self.freed.saturating_add(bytes);
+            self.seconds += scan.seconds(&id);
         }
     }
 }
@@ -334,20 +331,4 @@ fn may_go(record: &Record, pipeline: &Pipeline) -> bool {
     let stage = record.node.split('/').next().unwrap_or_default();
     let node = pipeline.place(stage).map(|place| pipeline.contents[place]);
     node.is_some_and(|node| node.keep() != Keep::Always && !node.is_published())
-}
-
-/// Whether a temporary, locked or quarantined file has a name that the store gives: hexadecimal, with what follows a dash,
-/// or that of the one other lock.
-fn is_ours(name: &str) -> bool {
-    let hex = name.split(['-', '.']).next().unwrap_or_default();
-    name == runs::TURN || (hex.len() >= 16 && hex.bytes().all(|byte| byte.is_ascii_hexdigit()))
-}
-
-fn is_record(path: &Path) -> bool {
-    path.extension().is_some_and(|extension| extension == "json") && named(&path.with_extension("")).is_some()
-}
-
-fn named(path: &Path) -> Option<Id> {
-    let (name, folder) = (path.file_name()?, path.parent()?.file_name()?);
-    Id::parse(&format!("{}{}", folder.to_str()?, name.to_str()?))
 }

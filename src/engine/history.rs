@@ -4,15 +4,14 @@
 
 use std::cell::RefCell;
 use std::collections::BTreeMap;
-use std::fs;
-use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
-use crate::engine::disk::read_text;
-use crate::engine::id::{Id, Key};
+use crate::engine::id::Id;
+use crate::engine::listing::listed;
+use crate::engine::names::{Folder, Place};
 use crate::engine::parts::{CodePart, InputsPart, ParamsPart, get};
 use crate::engine::record::Record;
-use crate::engine::store::{Store, path_in};
+use crate::engine::store::Store;
 
 /// What a store remembers.
 pub(crate) struct History<'s> {
@@ -39,9 +38,10 @@ impl<'s> History<'s> {
             params: RefCell::default(),
             inputs: RefCell::default(),
         };
-        for path in records(store.root()) {
-            let record = read_text(&path).ok().and_then(|text| Record::parse(&text));
-            if let Some(record) = record.filter(|record| is_at(&path, &record.key)) {
+        // What cannot be listed only leaves less to tell.
+        for file in listed(store, Folder::Records).unwrap_or_default() {
+            let Some(Place::Record(key)) = file.place else { continue };
+            if let Some(record) = store.record(&key) {
                 history.take(record);
             }
         }
@@ -107,16 +107,6 @@ impl<'s> History<'s> {
     }
 }
 
-/// Where the record of a key lies.
-pub(crate) fn record_file(store: &Store, key: &Key) -> PathBuf {
-    path_in(store.root(), "records", &key.to_string(), ".json")
-}
-
-/// Whether there is a file where the record of a key lies.
-pub(crate) fn has_record_file(store: &Store, key: &Key) -> bool {
-    record_file(store, key).is_file()
-}
-
 /// The stage of a node's name.
 pub(crate) fn stage_of(node: &str) -> &str {
     node.split('/').next().unwrap_or(node)
@@ -130,30 +120,4 @@ fn cached<T>(
     let mut known = known.borrow_mut();
     let entry = known.entry(name.to_owned());
     entry.or_insert_with(|| read(name).map(Rc::new)).clone()
-}
-
-/// The files of all records, sorted.
-fn records(root: &Path) -> Vec<PathBuf> {
-    let files_in = |folder: &Path| -> Vec<PathBuf> {
-        let entries = fs::read_dir(folder).into_iter().flatten().flatten();
-        entries.map(|entry| entry.path()).collect()
-    };
-    let mut files: Vec<PathBuf> = files_in(&root.join("records"))
-        .iter()
-        .flat_map(|folder| files_in(folder))
-        .collect();
-    files.sort();
-    files
-}
-
-/// Whether a record lies where its key says.
-fn is_at(path: &Path, key: &str) -> bool {
-    let (Some(head), Some(tail)) = (key.get(..2), key.get(2..)) else {
-        return false;
-    };
-    let folder = path.parent().and_then(Path::file_name);
-    folder.is_some_and(|name| name == head)
-        && path
-            .file_name()
-            .is_some_and(|name| name == format!("{tail}.json").as_str())
 }

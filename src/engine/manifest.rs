@@ -1,11 +1,11 @@
 //! Manifest: the ordered ids of the pieces that a content consists of, in `manifests/ab/cdef..`, named by their hash. A
 //! damaged one is none.
 
-use std::path::Path;
+use std::io;
 
-use crate::engine::disk::read_regular;
 use crate::engine::id::Id;
-use crate::engine::store::path_in;
+use crate::engine::names::Place;
+use crate::engine::store::Store;
 
 /// The ids in the bytes of a manifest of this name.
 pub(crate) fn parse(content: &Id, bytes: &[u8]) -> Option<Vec<Id>> {
@@ -15,8 +15,16 @@ pub(crate) fn parse(content: &Id, bytes: &[u8]) -> Option<Vec<Id>> {
 }
 
 /// The ids that a content in pieces consists of, where a store knows them.
-pub(crate) fn pieces(store: &Path, content: &Id) -> Option<Vec<Id>> {
-    let hex = content.to_string();
-    let path = path_in(store, "manifests", &hex, "");
-    parse(content, &read_regular(&path).ok()?)
+pub(crate) fn pieces(store: &Store, content: &Id) -> Option<Vec<Id>> {
+    read(store, content).ok()
+}
+
+/// The same, or why they are not known.
+///
+/// # Errors
+/// The operating system's; `InvalidData` for a manifest whose ids do not hash to its name.
+pub(crate) fn read(store: &Store, content: &Id) -> io::Result<Vec<Id>> {
+    let bytes = store.read_file(&Place::Manifest(*content))?;
+    let damaged = || io::Error::new(io::ErrorKind::InvalidData, "its ids do not hash to the name");
+    parse(content, &bytes).ok_or_else(damaged)
 }

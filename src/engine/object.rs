@@ -2,8 +2,6 @@
 //!
 //! Header, little endian: magic `ENCOUNT1` (8) | codec u16 | zero u16, u32 | schema u64 | length u64 | BLAKE3 (32).
 
-use std::io::{self, Read};
-
 use crate::engine::codec::{CODEC, LIMIT};
 use crate::engine::id::Id;
 
@@ -52,39 +50,6 @@ pub(crate) fn payload(mut file: Vec<u8>) -> Vec<u8> {
     file
 }
 
-/// Verifies an object file without holding it in memory; gives the number of its bytes.
-///
-/// # Errors
-/// What is wrong with the bytes, or keeps them from being read.
-pub fn check(id: &Id, mut file: impl Read, buffer: &mut [u8]) -> Result<u64, String> {
-    let unread = |why: io::Error| format!("it cannot be read: {why}");
-    let mut head = [0; HEADER];
-    let read = fill(&mut file, &mut head).map_err(unread)?;
-    if read < HEADER {
-        return Err(too_short(read));
-    }
-    let expected = number(&head, 24);
-    let header = header(id, None, &head, expected)?;
-    let mut hasher = Id::hasher(header.codec, header.schema);
-    let mut length = 0;
-    loop {
-        let read = fill(&mut file, buffer).map_err(unread)?;
-        hasher.update(&buffer[..read]);
-        length += read as u64;
-        // Far more than the header says need not be read to be known for a lie.
-        if read < buffer.len() || length > expected {
-            break;
-        }
-    }
-    if length != expected {
-        return Err(another_length(length, expected));
-    }
-    if hasher.finalize().as_bytes() != &id.0 {
-        return Err(NOT_ITS_NAME.to_owned());
-    }
-    Ok(length + HEADER as u64)
-}
-
 const NOT_ITS_NAME: &str = "the bytes do not hash to the name";
 
 fn too_short(length: usize) -> String {
@@ -123,18 +88,4 @@ fn header(id: &Id, schema: Option<u64>, header: &[u8; HEADER], length: u64) -> R
         codec,
         schema: found_schema,
     })
-}
-
-/// Reads until the buffer is full or the file ends.
-fn fill(file: &mut impl Read, buffer: &mut [u8]) -> io::Result<usize> {
-    let mut filled = 0;
-    while filled < buffer.len() {
-        match file.read(&mut buffer[filled..]) {
-            Ok(0) => break,
-            Ok(read) => filled += read,
-            Err(why) if why.kind() == io::ErrorKind::Interrupted => {}
-            Err(why) => return Err(why),
-        }
-    }
-    Ok(filled)
 }

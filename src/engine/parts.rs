@@ -11,8 +11,9 @@ use serde::{Deserialize, Serialize};
 
 use crate::engine::arrow::Kind;
 use crate::engine::code;
-use crate::engine::disk::{read_regular, read_text};
 use crate::engine::error::Result;
+use crate::engine::id::Id;
+use crate::engine::names::Place;
 use crate::engine::record::{opened, sealed};
 use crate::engine::run::Run;
 use crate::engine::settings::{Values, shape, values};
@@ -134,20 +135,19 @@ pub(crate) fn keep(run: &Run<'_>, node: usize) -> Result<PartNames> {
 pub(crate) fn put<T: Serialize>(store: &Store, part: &T) -> Result<String> {
     let json = serde_json::to_string(part).expect("a part holds strings and finite numbers");
     let (name, text) = sealed(&json);
-    let path = store.root().join("parts").join(format!("{name}.json"));
-    if read_regular(&path).is_ok_and(|there| there == text.as_bytes()) {
+    let place = Place::Part(Id::parse(&name).expect("a check is a hash"));
+    if store.read_file(&place).is_ok_and(|there| there == text.as_bytes()) {
         return Ok(name);
     }
-    store.write(&path, text.as_bytes(), false)?;
+    store.write(&place, text.as_bytes(), false)?;
     Ok(name)
 }
 
 /// Reads a part; a damaged one is none.
 pub(crate) fn get<T: DeserializeOwned>(store: &Store, name: &str) -> Option<T> {
     // A name comes from a record: it is a hash, or it is no name.
-    blake3::Hash::from_hex(name).ok()?;
-    let path = store.root().join("parts").join(format!("{name}.json"));
-    let (check, json) = opened(&read_text(&path).ok()?)?;
+    let place = Place::Part(Id::parse(name)?);
+    let (check, json) = opened(&store.read_text(&place).ok()?)?;
     if check != name {
         return None;
     }

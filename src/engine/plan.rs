@@ -209,7 +209,7 @@ impl<'g> Plan<'g> {
             },
             Decision::WillRun(key) => match self.run.store.record(&key) {
                 Some(record) => self.lost(node, piece, &record),
-                None if has_record_file(self.run.store, &key) => {
+                None if self.run.store.has_record(&key) => {
                     State::WillRun(Cause::Damaged("record damaged".to_owned()))
                 }
                 None => State::WillRun(Cause::Key),
@@ -226,7 +226,7 @@ impl<'g> Plan<'g> {
             return State::WillRun(Cause::Damaged("record damaged: it names no id".to_owned()));
         };
         self.run.suppose(node, piece, id, record.bytes);
-        if self.run.store.root().join("quarantine").join(id.to_string()).exists() {
+        if self.run.store.was_set_aside(&id) {
             let what = "object damaged: it lies in quarantine".to_owned();
             State::WillRun(Cause::Damaged(what))
         } else if self.run.graph.nodes[node].node.is_published() {

@@ -322,7 +322,7 @@ fn change(run: &Run<'_>, node: usize, line: &Line, against: &Against<'_>) -> Str
 /// The ids of a node's pieces that the lock speaks of; else, where they differ, those recorded under the same keys.
 fn earlier(run: &Run<'_>, node: usize, line: &Line, ordinary: &Store) -> Option<Vec<Option<Id>>> {
     let pieces = run.graph.nodes[node].pieces.len();
-    if let Some(ids) = manifest::pieces(ordinary.root(), &line.content) {
+    if let Some(ids) = manifest::pieces(ordinary, &line.content) {
         return Some(ids.into_iter().map(Some).collect());
     }
     if line.pieces == Some(1) && ordinary.has(&line.content) {

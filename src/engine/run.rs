@@ -6,7 +6,7 @@ use std::time::Instant;
 use crate::engine::arrow::Kind;
 use crate::engine::error::Result;
 use crate::engine::event::Event;
-use crate::engine::flight::{Hold, KeyLock};
+use crate::engine::flight::KeyLock;
 use crate::engine::graph::{Graph, Link};
 use crate::engine::id::{Id, Key, schema_number};
 use crate::engine::key::{InputKey, Preimage};
@@ -298,13 +298,8 @@ impl<'g> Run<'g> {
         let (Some(id), Some(key)) = (self.id(node, piece), self.key(node, piece)) else {
             return Ok(());
         };
-        // Whoever else is at it writes the same bytes.
-        let lock = match self.store.hold(&key)? {
-            Hold::Ours(lock) => Some(lock),
-            Hold::InThisProcess | Hold::Elsewhere => None,
-        };
         let evicted = self.store.record(&key).is_some_and(|record| record.evicted);
-        self.store.restore(&id, file, lock.as_ref())?;
+        self.store.restore(&id, file)?;
         if damage.is_some() || !evicted {
             self.tell(&Event::DidHeal {
                 node: self.graph.nodes[node].name(),

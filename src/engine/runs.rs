@@ -1,28 +1,29 @@
 //! Runs: what the last runs used, and of which pieces a content consists; garbage collection begins from both.
 //!
-//! `runs/<n>.json` names the content of every node that a run knew, and the ids of pieces of nodes it did not finish;
-//! `manifests/ab/cdef..` holds the ids of a content in pieces, in order, and is named by their hash. Neither decides what
-//! is cached: a damaged one is none.
+//! `runs/<checkout>-<n>.json` names the content of every node that a run knew, and the ids of pieces of nodes it did not
+//! finish; `manifests/ab/cdef..` holds the ids of a content in pieces, in order, and is named by their hash. Neither decides
+//! what is cached. Several checkouts may share a store, so each keeps its own last runs out of the reach of `gc`.
 
 use std::collections::BTreeMap;
-use std::fs;
-use std::path::{Path, PathBuf};
+use std::io::ErrorKind;
+use std::path::Path;
 use std::time::SystemTime;
 
 use serde::{Deserialize, Serialize};
 
-use crate::engine::disk::{read_text, regular};
-use crate::engine::error::Result;
+use crate::engine::disk::is_read_only;
+use crate::engine::error::{Error, Result};
 use crate::engine::id::Id;
+use crate::engine::listing::{Listed, listed};
+use crate::engine::names::{Folder, Place};
 use crate::engine::record::{opened, sealed};
 use crate::engine::run::Run;
-use crate::engine::store::{Store, path_in};
+use crate::engine::store::Store;
 
-/// How many runs are remembered.
+/// How many runs of a checkout are remembered.
 const KEPT: usize = 3;
-
-/// The lock of who writes here.
-pub(crate) const TURN: &str = "runs";
+/// How many runs of all checkouts are remembered, so that those of clones long gone do not pile up.
+const KEPT_OF_ALL: usize = 48;
 
 /// What a run used.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -35,8 +36,62 @@ pub(crate) struct RunFile {
     pub(crate) pieces: BTreeMap<String, Vec<String>>,
 }
 
-/// Takes note of what a run used, unless the last one used the same.
+/// A run that a store remembers.
+struct Remembered {
+    checkout: u64,
+    number: u64,
+    modified: SystemTime,
+}
+
+/// The number that stands for a checkout in the names of its runs.
+pub(crate) fn checkout_number(checkout: &Path) -> u64 {
+    let path = checkout.canonicalize().unwrap_or_else(|_| checkout.to_owned());
+    let hash = blake3::hash(path.as_os_str().as_encoded_bytes());
+    hash.as_bytes()[..8].iter().fold(0, |number, byte| number << 8 | u64::from(*byte))
+}
+
+/// Takes note of what a run used, unless the last one of its checkout used the same. A store that may only be read has
+/// nothing to note: the run made nothing in it.
+///
+/// # Errors
+/// A file that cannot be written.
 pub(crate) fn remember(run: &Run<'_>) -> Result<()> {
+    match note(run) {
+        Err(Error::Io { source, .. }) if is_read_only(&source) => Ok(()),
+        noted => noted,
+    }
+}
+
+fn note(run: &Run<'_>) -> Result<()> {
+    let file = used(run)?;
+    let is_last = |there: &[Remembered]| {
+        let own = there.iter().filter(|it| it.checkout == run.checkout).max_by_key(|it| it.number);
+        own.and_then(|own| read(run.store, own).ok()) == Some(file.clone())
+    };
+    if is_last(&remembered(run.store)?) {
+        return Ok(());
+    }
+    // One at a time, so that no two runs choose the same number.
+    let _turn = run.store.wait_for_runs()?;
+    let mut there = remembered(run.store)?;
+    if is_last(&there) {
+        return Ok(());
+    }
+    let last = there.iter().filter(|it| it.checkout == run.checkout).map(|it| it.number).max();
+    let number = last.map_or(1, |last| last + 1);
+    let (_, text) = sealed(&serde_json::to_string(&file).expect("names and ids are text"));
+    run.store.write(&Place::Run(run.checkout, number), text.as_bytes(), false)?;
+    there.sort_by_key(|it| (it.modified, it.number));
+    let own = there.iter().rev().filter(|it| it.checkout == run.checkout).skip(KEPT - 1);
+    for old in own.chain(there.iter().rev().skip(KEPT_OF_ALL - 1)) {
+        // Another run may have been faster.
+        let _ = run.store.files().remove(&Place::Run(old.checkout, old.number).at());
+    }
+    Ok(())
+}
+
+/// What a run knows, its manifests written.
+fn used(run: &Run<'_>) -> Result<RunFile> {
     let mut file = RunFile {
         format: 1,
         ..RunFile::default()
@@ -51,51 +106,47 @@ pub(crate) fn remember(run: &Run<'_>) -> Result<()> {
             file.pieces.insert(node.name(), ids);
         }
     }
-    let is_last = |there: &[(u64, PathBuf)]| there.last().and_then(|(_, path)| read(path)).as_ref() == Some(&file);
-    if is_last(&numbered(run.store.root())) {
-        return Ok(());
-    }
-    // One at a time, so that no two runs choose the same number.
-    let _turn = run.store.wait_for_turn(TURN)?;
-    let there = numbered(run.store.root());
-    if is_last(&there) {
-        return Ok(());
-    }
-    let number = there.last().map_or(1, |(number, _)| number + 1);
-    let path = run.store.root().join("runs").join(format!("{number}.json"));
-    let (_, text) = sealed(&serde_json::to_string(&file).expect("names and ids are text"));
-    run.store.write(&path, text.as_bytes(), false)?;
-    for (_, old) in there.iter().rev().skip(KEPT - 1) {
-        // Another run may have been faster.
-        let _ = fs::remove_file(old);
-    }
-    Ok(())
+    Ok(file)
 }
 
-/// The remembered runs, the last one last, and when it was written; no time if one of them is damaged, so that what it
-/// used is not known.
-pub(crate) fn last(root: &Path) -> (Vec<RunFile>, Option<SystemTime>) {
-    let there = numbered(root);
-    let newest = there.last().and_then(|(_, path)| path.metadata().ok()?.modified().ok());
-    let runs: Vec<RunFile> = there.iter().filter_map(|(_, path)| read(path)).collect();
-    let newest = newest.filter(|_| runs.len() == there.len());
-    (runs, newest)
+/// All remembered runs, and when the newest was written.
+///
+/// # Errors
+/// One that cannot be read or is damaged: what it used is not known.
+pub(crate) fn all(store: &Store) -> Result<(Vec<RunFile>, Option<SystemTime>)> {
+    let there = remembered(store)?;
+    let newest = there.iter().map(|it| it.modified).max();
+    let files: Result<Vec<RunFile>> = there.iter().map(|it| read(store, it)).collect();
+    Ok((files?, newest))
 }
 
-fn read(path: &Path) -> Option<RunFile> {
-    serde_json::from_str(&opened(&read_text(path).ok()?)?.1).ok()
+fn read(store: &Store, run: &Remembered) -> Result<RunFile> {
+    let place = Place::Run(run.checkout, run.number);
+    let path = store.path(&place);
+    let text = match store.read_text(&place) {
+        Err(why) if why.kind() != ErrorKind::InvalidData => return Err(Error::io("read what a run used,", path)(why)),
+        text => text.unwrap_or_default(),
+    };
+    let file = opened(&text).and_then(|(_, json)| serde_json::from_str(&json).ok());
+    file.ok_or_else(|| Error::Damaged {
+        what: path.display().to_string(),
+        why: "its check does not hold, so that what that run used is not known; remove the file, and what only it reaches is \
+              garbage"
+            .to_owned(),
+    })
 }
 
-fn numbered(root: &Path) -> Vec<(u64, PathBuf)> {
-    let entries = fs::read_dir(root.join("runs")).into_iter().flatten().flatten();
-    let number = |path: &Path| path.file_name()?.to_str()?.strip_suffix(".json")?.parse().ok();
-    let mut found: Vec<(u64, PathBuf)> = entries
-        .filter_map(|entry| Some((number(&entry.path())?, entry.path())))
+fn remembered(store: &Store) -> Result<Vec<Remembered>> {
+    let of = |file: Listed| match file.place? {
         // No run counts that far; the next number must be one.
-        .filter(|(number, _)| *number < u64::MAX)
-        .collect();
-    found.sort();
-    found
+        Place::Run(checkout, number) if number < u64::MAX => Some(Remembered {
+            checkout,
+            number,
+            modified: file.modified,
+        }),
+        _ => None,
+    };
+    Ok(listed(store, Folder::Runs)?.into_iter().filter_map(of).collect())
 }
 
 fn keep_manifest(store: &Store, content: &Id, ids: &[Id]) -> Result<()> {
@@ -103,12 +154,10 @@ fn keep_manifest(store: &Store, content: &Id, ids: &[Id]) -> Result<()> {
     if ids.len() == 1 {
         return Ok(());
     }
-    let hex = content.to_string();
-    let path = path_in(store.root(), "manifests", &hex, "");
-    // One that rotted only lets `gc` keep more than it must; `verify --store` finds it.
-    if regular(&path).is_ok_and(|length| length == 32 * ids.len() as u64) {
+    let place = Place::Manifest(*content);
+    let bytes: Vec<u8> = ids.iter().flat_map(|id| id.0).collect();
+    if store.read_file(&place).is_ok_and(|there| there == bytes) {
         return Ok(());
     }
-    let bytes: Vec<u8> = ids.iter().flat_map(|id| id.0).collect();
-    store.write(&path, &bytes, false)
+    store.write(&place, &bytes, false)
 }

@@ -6,6 +6,7 @@
 use crate::engine::code;
 use crate::engine::error::Error;
 use crate::engine::id::{Id, schema_number};
+use crate::engine::names::Place;
 use crate::engine::object;
 use crate::engine::record::{Record, system};
 use crate::engine::run::Run;
@@ -66,6 +67,6 @@ pub(crate) fn elsewhere(record: &Record, before: &str) -> String {
 pub(crate) fn keep(store: &Store, schema: u64, bytes: &[u8]) -> Id {
     let (id, file) = object::seal(schema, bytes);
     // The error to report is the one that brought us here.
-    let _ = store.write(&store.root().join("quarantine").join(id.to_string()), &file, false);
+    let _ = store.write(&Place::Quarantined(id.to_string(), None), &file, false);
     id
 }
