@@ -55,6 +55,15 @@ pub enum Error {
         /// How it differs from what was expected.
         why: String,
     },
+    /// An output that is what its name says and yet none of its stage's. It was set aside with its record; a new walk makes it
+    /// again.
+    #[error("what the store holds as the output of {node} is none: {why}; it was set aside in quarantine/, run again")]
+    Distrusted {
+        /// The node and piece.
+        node: String,
+        /// How it differs from an output of its stage.
+        why: String,
+    },
     /// A key made twice with two contents.
     #[error("{node} is not reproducible: recorded {recorded}, made again {made}{}", told(.difference.as_deref(), .note))]
     NotReproducible {
@@ -148,7 +157,7 @@ impl Error {
             Self::Usage(_) => 2,
             Self::Difference(_) => 3,
             Self::NotReproducible { .. } | Self::OtherBits(_) => 4,
-            Self::Io { .. } | Self::Full { .. } | Self::Damaged { .. } => 5,
+            Self::Io { .. } | Self::Full { .. } | Self::Damaged { .. } | Self::Distrusted { .. } => 5,
             Self::Interrupted => 130,
         }
     }

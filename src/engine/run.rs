@@ -1,21 +1,26 @@
 //! Run: the state of one walk through a graph. One code path decides what is cached; `status` and `run` both ask it.
 
+use std::collections::BTreeMap;
+use std::io::ErrorKind;
+use std::path::Path;
 use std::sync::{Arc, OnceLock};
 use std::time::Instant;
 
 use crate::engine::arrow::Kind;
-use crate::engine::error::Result;
+use crate::engine::error::{Error, Result};
 use crate::engine::event::Event;
 use crate::engine::flight::KeyLock;
 use crate::engine::graph::{Graph, Link};
 use crate::engine::id::{Id, Key, schema_number};
 use crate::engine::key::{InputKey, Preimage};
 use crate::engine::memo::Memo;
+use crate::engine::names::Place;
 use crate::engine::node::Value;
 use crate::engine::object;
 use crate::engine::parts::{self, PartNames};
 use crate::engine::read::Reader;
 use crate::engine::record::Record;
+use crate::engine::runs::checkout_number;
 use crate::engine::stage::{Here, Keep};
 use crate::engine::stop::Stop;
 use crate::engine::store::{Found, Store};
@@ -41,6 +46,8 @@ pub struct Run<'g> {
     parts: Vec<OnceLock<PartNames>>,
     memo: Memo,
     stop: Option<&'g Stop>,
+    /// The checkout that it was started in: its last runs stay out of the reach of `gc`.
+    pub(crate) checkout: u64,
 }
 
 /// What is known of a piece before anything runs.
@@ -72,6 +79,7 @@ impl<'g> Run<'g> {
             parts,
             memo: Memo::new(MEMO_BYTES),
             stop: None,
+            checkout: 0,
         }
     }
 
@@ -79,6 +87,13 @@ impl<'g> Run<'g> {
     #[must_use]
     pub fn until(mut self, stop: &'g Stop) -> Self {
         self.stop = Some(stop);
+        self
+    }
+
+    /// The same walk, remembered as one of a checkout.
+    #[must_use]
+    pub fn in_checkout(mut self, checkout: &Path) -> Self {
+        self.checkout = checkout_number(checkout);
         self
     }
 
@@ -261,7 +276,8 @@ impl<'g> Run<'g> {
             Some(bytes) => bytes,
             None => Arc::from(self.bytes(node, piece)?),
         };
-        let value = self.graph.nodes[node].node.decode(&bytes)?;
+        let value = self.graph.nodes[node].node.decode(&bytes);
+        let value = value.map_err(|error| self.distrust(node, piece, error))?;
         self.memo.put_value(id, value.clone(), bytes.len());
         Ok(value)
     }
@@ -277,6 +293,10 @@ impl<'g> Run<'g> {
         let damage = match self.store.read(&id, Some(schema)) {
             Found::Bytes(bytes) => return Ok(bytes),
             Found::Missing => None,
+            // It is sound as the output of another stage, which keeps it.
+            Found::Damaged(why) if matches!(self.store.peek(&id, None), Found::Bytes(_)) => {
+                return Err(self.distrust_record(node, piece, why));
+            }
             Found::Damaged(why) => Some(format!("its object is damaged ({why})")),
         };
         for link in &it.links {
@@ -291,6 +311,48 @@ impl<'g> Run<'g> {
             self.restore(node, piece, &file, damage)?;
         }
         Ok(bytes)
+    }
+
+    /// The files that a published piece holds, by name.
+    ///
+    /// # Errors
+    /// Those of [`Self::bytes`]; an output that holds no files of this stage.
+    pub fn published(&self, node: usize) -> Result<BTreeMap<String, String>> {
+        let bytes = self.bytes(node, 0)?;
+        let files = self.graph.nodes[node].node.published(&bytes);
+        files.map_err(|error| self.distrust(node, 0, error))
+    }
+
+    /// Sets aside an object, and the record that names it, which are whole and yet no output of their stage: somebody forged
+    /// them, since no stage stores what it could not read. What this walk knows may rest on them, so it has to begin anew.
+    fn distrust(&self, node: usize, piece: usize, error: Error) -> Error {
+        let Error::Damaged { why, .. } = error else { return error };
+        let object = self.id(node, piece).map(Place::Object);
+        match object.map(|object| self.set_aside(&object)) {
+            Some(Err(error)) => error,
+            _ => self.distrust_record(node, piece, why),
+        }
+    }
+
+    /// The same for the record alone.
+    fn distrust_record(&self, node: usize, piece: usize, why: String) -> Error {
+        let record = self.key(node, piece).map(Place::Record);
+        match record.map(|record| self.set_aside(&record)) {
+            Some(Err(error)) => error,
+            _ => Error::Distrusted {
+                node: self.graph.nodes[node].piece_name(piece),
+                why,
+            },
+        }
+    }
+
+    fn set_aside(&self, place: &Place) -> Result<()> {
+        match self.store.set_aside(place) {
+            Err(why) if why.kind() != ErrorKind::NotFound => {
+                Err(Error::io("set aside what no stage has made,", self.store.path(place))(why))
+            }
+            _ => Ok(()),
+        }
     }
 
     /// Puts an object back; one that `gc` took away was not lost.
