@@ -64,7 +64,7 @@ pub fn doctor(args: &DoctorArgs) -> Result<()> {
     let memory = memory();
     let disk = room(&session.store);
     let store = session.look_at_store()?;
-    let plan = Plan::new(&session.graph, &store, &session.index(), &[]);
+    let plan = Plan::new(&session.graph, &store, &[]);
     let (pieces, left) = plan.nodes().iter().fold((0, 0), |(pieces, left), node| {
         (pieces + node.pieces, left + node.will_run + node.may_run)
     });

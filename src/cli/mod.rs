@@ -24,7 +24,6 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use crate::engine::disk::System;
 use crate::engine::error::{Error, Result};
 use crate::engine::graph::Graph;
-use crate::engine::index::Index;
 use crate::engine::node::Node;
 use crate::engine::params::ParamsFile;
 use crate::engine::store::Store;
@@ -185,7 +184,6 @@ impl Common {
             ships,
             store: self.store_folder()?,
             figures: self.figures_folder()?,
-            profile: self.profile,
         })
     }
 }
@@ -216,15 +214,9 @@ struct Session {
     ships: Vec<String>,
     store: PathBuf,
     figures: PathBuf,
-    profile: Profile,
 }
 
 impl Session {
-    /// The index of its profile: no other profile's keys burden it.
-    fn index(&self) -> Index {
-        Index::read(&self.store, self.profile.name())
-    }
-
     fn open_store(&self) -> Result<Store> {
         Store::open_on(&self.store, Arc::new(System), &wait_for_gc).map(told_of_locks)
     }

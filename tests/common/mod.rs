@@ -11,7 +11,6 @@ use encounter::engine::event::Event;
 use encounter::engine::gc::{self, Alone, Sweep};
 use encounter::engine::graph::{Graph, NodeCase};
 use encounter::engine::id::{Id, Key};
-use encounter::engine::index::Index;
 use encounter::engine::lock::Lock;
 use encounter::engine::params::ParamsFile;
 use encounter::engine::pipeline::Pipeline;
@@ -274,10 +273,7 @@ impl House {
     pub(crate) fn plan<T>(&self, look: impl FnOnce(&Plan<'_>, &Graph) -> T) -> T {
         let graph = self.graph(&[]).expect("the parameters are in order");
         let store = Store::look(&self.path("store"));
-        look(
-            &Plan::new(&graph, &store, &Index::read(store.root(), "toy"), &[]),
-            &graph,
-        )
+        look(&Plan::new(&graph, &store, &[]), &graph)
     }
 
     /// The plan of one node.
@@ -301,11 +297,7 @@ impl House {
             .filter(|node| named(&graph.nodes[*node]))
             .collect();
         let store = Store::look(&self.path("store"));
-        why(
-            &Plan::new(&graph, &store, &Index::read(store.root(), "toy"), &nodes),
-            &nodes,
-            target.piece,
-        )
+        why(&Plan::new(&graph, &store, &nodes), &nodes, target.piece)
     }
 
     pub(crate) fn object(&self, id: &Id) -> PathBuf {
