@@ -12,6 +12,7 @@ use crate::cli::{Common, print_json, say};
 use crate::engine::audit::{Audit, audit};
 use crate::engine::error::{Error, Result};
 use crate::engine::plan::Plan;
+use crate::engine::store::Store;
 use crate::numerics::lanes::Level;
 use crate::numerics::self_test;
 
@@ -64,7 +65,7 @@ pub fn doctor(args: &DoctorArgs) -> Result<()> {
     let memory = memory();
     let disk = room(&session.store);
     let store = session.look_at_store()?;
-    let plan = Plan::new(&session.graph, &store, &session.index(), &[]);
+    let plan = Plan::new(&session.graph, &store, &[]);
     let (pieces, left) = plan.nodes().iter().fold((0, 0), |(pieces, left), node| {
         (pieces + node.pieces, left + node.will_run + node.may_run)
     });
@@ -74,7 +75,7 @@ pub fn doctor(args: &DoctorArgs) -> Result<()> {
     let core_seconds = if cost.untimed == 0 { cost.at_most } else { guess };
     let minutes = core_seconds / cores as f64 / 60.0;
     let found = if session.store.is_dir() {
-        Some(audit(&session.store, cores, &|_, _| {})?)
+        Some(audit(&Store::look(&session.store), cores, &|_, _| {})?)
     } else {
         None
     };

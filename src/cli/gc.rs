@@ -1,18 +1,15 @@
 //! `encounter gc`: make room in the store; what goes can be made again.
 
-use std::fs;
-use std::io::ErrorKind;
 use std::path::Path;
 
-use clap::Args;
+use clap::{Args, ValueEnum};
 use serde_json::json;
 
-use crate::cli::{Common, print_json, progress, say};
+use crate::cli::{Common, Profile, print_json, progress, say};
 use crate::engine::claim;
-use crate::engine::disk::read_text;
 use crate::engine::error::{Error, Result};
 use crate::engine::gc::{self, Alone, BOUND, Sweep, plan};
-use crate::engine::lock::Lock;
+use crate::engine::lock::{self, Lock};
 use crate::engine::store::Store;
 use crate::stages::PIPELINE;
 
@@ -172,26 +169,12 @@ fn is_on_the_disk_of(root: &Path, path: &Path) -> bool {
 /// # Errors
 /// A lock that cannot be read, or is damaged, so that what it keeps is not known.
 fn committed() -> Result<Vec<Lock>> {
-    let Ok(checkout) = Common::root() else {
-        return Ok(Vec::new());
+    let is_ours = |stem: &str| {
+        let is_word = |word: &str| Profile::from_str(word, false).is_ok() || PIPELINE.on_request.contains(&word);
+        stem.split('.').all(is_word)
     };
-    let folder = checkout.join("artifacts");
-    let entries = match fs::read_dir(&folder) {
-        Err(why) if why.kind() == ErrorKind::NotFound => return Ok(Vec::new()),
-        entries => entries.map_err(Error::io("look for locks in", &folder))?,
-    };
-    let mut locks = Vec::new();
-    for entry in entries {
-        let path = entry.map_err(Error::io("look for locks in", &folder))?.path();
-        let is_lock = path.extension().is_some_and(|extension| extension == "lock");
-        if !is_lock || path.file_name().is_some_and(|name| name == "store.lock") {
-            continue;
-        }
-        let text = read_text(&path).map_err(Error::io("read the lock", &path))?;
-        // Other programs call their files so, too.
-        if text.starts_with("encounter-lock") {
-            locks.push(Lock::parse_file(&path.display().to_string(), &text)?);
-        }
+    match Common::root() {
+        Ok(checkout) => lock::committed(&checkout.join("artifacts"), &is_ours),
+        Err(_) => Ok(Vec::new()),
     }
-    Ok(locks)
 }

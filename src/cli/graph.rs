@@ -39,7 +39,7 @@ enum Format {
 pub fn graph(args: &GraphArgs) -> Result<()> {
     let session = args.common.open(&args.target)?;
     let store = session.look_at_store()?;
-    let chart = chart(&Plan::new(&session.graph, &store, &session.index(), &[]), args.cases);
+    let chart = chart(&Plan::new(&session.graph, &store, &[]), args.cases);
     let profile = args.common.profile.name();
     if args.common.json {
         let nodes: Vec<_> = chart

@@ -21,10 +21,10 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
+use crate::engine::claim;
 use crate::engine::disk::System;
 use crate::engine::error::{Error, Result};
 use crate::engine::graph::Graph;
-use crate::engine::index::Index;
 use crate::engine::node::Node;
 use crate::engine::params::ParamsFile;
 use crate::engine::store::Store;
@@ -185,7 +185,6 @@ impl Common {
             ships,
             store: self.store_folder()?,
             figures: self.figures_folder()?,
-            profile: self.profile,
         })
     }
 }
@@ -216,26 +215,18 @@ struct Session {
     ships: Vec<String>,
     store: PathBuf,
     figures: PathBuf,
-    profile: Profile,
 }
 
 impl Session {
-    /// The index of its profile: no other profile's keys burden it.
-    fn index(&self) -> Index {
-        Index::read(&self.store, self.profile.name())
-    }
-
     fn open_store(&self) -> Result<Store> {
-        Store::open_on(&self.store, Arc::new(System), &wait_for_gc).map(told_of_locks)
+        Store::open_on(Store::disk(&self.store)?, &wait_for_gc).map(told_of_locks)
     }
 
     /// The store, which need not be there, for reading.
     fn look_at_store(&self) -> Result<Store> {
-        if self.store.exists() && !self.store.is_dir() {
-            let why = io::ErrorKind::NotADirectory.into();
-            return Err(Error::io("look into the store", &self.store)(why));
-        }
-        let store = Store::look_on(&self.store, Arc::new(System), &wait_for_gc);
+        claim::check(&self.store)?;
+        let disk = System::look(&self.store).map_err(Error::io("look into the store", &self.store))?;
+        let store = Store::look_on(Arc::new(disk), &wait_for_gc);
         Ok(told_of_locks(store))
     }
 }

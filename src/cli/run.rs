@@ -13,9 +13,8 @@ use crate::engine::code;
 use crate::engine::disk::read_text;
 use crate::engine::error::{Error, Result};
 use crate::engine::event::Event;
-use crate::engine::idle::{self, Traces};
-use crate::engine::index::Index;
 use crate::engine::lock::Lock;
+use crate::engine::plan::decide_all;
 use crate::engine::publish;
 use crate::engine::run::Run;
 use crate::engine::schedule;
@@ -96,13 +95,11 @@ pub(super) fn workers(j: Option<u16>) -> usize {
 
 fn execute(args: &RunArgs, session: &Session, store: &Store, listener: &(dyn Fn(&Event) + Sync)) -> Result<()> {
     publish::clear(&session.graph, SHIP, &session.ships, &session.figures, store.root());
-    let index = session.index();
-    if is_idle(args, session, store, listener, &index)? {
-        return Ok(());
-    }
-    same_bits()?;
-    publish::check_folder(&session.graph, SHIP, &session.ships, &session.figures)?;
     let run = Run::new(&session.graph, store, listener).until(&STOP);
+    if !decide_all(&run) {
+        same_bits()?;
+        publish::check_folder(&session.graph, SHIP, &session.ships, &session.figures)?;
+    }
     let outcome = schedule::execute(&run, workers(args.j));
     if !matches!(outcome, Ok(()) | Err(Error::Failures(_))) {
         return outcome;
@@ -114,29 +111,7 @@ fn execute(args: &RunArgs, session: &Session, store: &Store, listener: &(dyn Fn(
         let lock = Lock::of(&run, args.common.profile.name(), code::RUSTC, &texts)?;
         write_lock(args, &lock)?;
     }
-    index.renew(&run)
-}
-
-/// Whether there is nothing to do, which the index tells quickly.
-fn is_idle(
-    args: &RunArgs,
-    session: &Session,
-    store: &Store,
-    listener: &(dyn Fn(&Event) + Sync),
-    index: &Index,
-) -> Result<bool> {
-    let path = args.common.lock_file(&args.target)?;
-    let traces = Traces {
-        axis: SHIP,
-        values: &session.ships,
-        figures: &session.figures,
-        lock: keeps_lock(args).then(|| (&*path, args.common.profile.name())),
-    };
-    Ok(idle::is_idle(
-        &Run::new(&session.graph, store, listener),
-        index,
-        &traces,
-    ))
+    Ok(())
 }
 
 /// Whether the run has a lock: one of everything, or of an output that only runs on request, parameters as committed.

@@ -5,7 +5,7 @@ use serde_json::json;
 
 use crate::cli::{Common, print_json, say, target};
 use crate::engine::error::{Error, Result};
-use crate::engine::plan::leave_what_nobody_needs;
+use crate::engine::plan::decide_all;
 use crate::engine::run::{Decision, Run};
 
 /// Arguments of `encounter show`.
@@ -27,7 +27,7 @@ pub fn show(args: &ShowArgs) -> Result<()> {
     let store = session.look_at_store()?;
     let silent = |_: &_| {};
     let run = Run::new(&session.graph, &store, &silent);
-    leave_what_nobody_needs(&run);
+    decide_all(&run);
     let node = session
         .graph
         .find(&target)

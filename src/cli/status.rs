@@ -32,7 +32,7 @@ pub fn status(args: &StatusArgs) -> Result<()> {
 /// Prints the plan of a session.
 pub(super) fn print(common: &Common, session: &Session) -> Result<()> {
     let store = session.look_at_store()?;
-    let plan = Plan::new(&session.graph, &store, &session.index(), &[]);
+    let plan = Plan::new(&session.graph, &store, &[]);
     let nodes = plan.nodes();
     let files = files(session, &store, &plan);
     let stale = code::stale(&Common::root()?);

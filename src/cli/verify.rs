@@ -184,7 +184,7 @@ fn verify_store(args: &VerifyArgs, session: &Session) -> Result<()> {
     // Garbage is not collected meanwhile.
     let shared = session.look_at_store()?;
     let bar = bar_of_bytes();
-    let found = audit(&session.store, workers(args.j), &|done, all| {
+    let found = audit(&shared, workers(args.j), &|done, all| {
         bar.set_length(all);
         bar.set_position(done);
     });

@@ -28,7 +28,7 @@ pub fn why(args: &WhyArgs) -> Result<()> {
     let (session, nodes) = open(args)?;
     let piece = target(&args.node)?.piece;
     let store = session.look_at_store()?;
-    let plan = Plan::new(&session.graph, &store, &session.index(), &nodes);
+    let plan = Plan::new(&session.graph, &store, &nodes);
     let answer = walk(&plan, &nodes, piece);
     let stale = code::stale(&Common::root()?);
     if args.common.json {

@@ -21,7 +21,7 @@ use crate::engine::error::{Error, Result};
 use crate::engine::id::{Id, Key};
 use crate::engine::listing::{Listed, listed};
 use crate::engine::manifest;
-use crate::engine::names::{Folder, Place};
+use crate::engine::names::{At, Folder, Place};
 use crate::engine::object;
 use crate::engine::record::{Record, opened};
 use crate::engine::store::Store;
@@ -105,6 +105,8 @@ pub fn audit(store: &Store, workers: usize, heard: &Heard<'_>) -> Result<Audit> 
         .num_threads(workers)
         .build()
         .map_err(|why| Error::Usage(format!("-j {workers}: cannot start the workers: {why}")))?;
+    let root = store.files().list(&At::root());
+    root.map_err(Error::io("read the store", store.root()))?;
     // A record is written after its object: listed first, none of them waits for an object yet to come.
     let folders = [Folder::Records, Folder::Parts, Folder::Manifests, Folder::Objects];
     let mut lists = Vec::new();

@@ -1,6 +1,6 @@
 //! History: every undamaged record of a store, by stage and piece, to explain what changed and to guess what it costs.
 //!
-//! Read only when something is not cached. The disk is scanned, no index is believed.
+//! Read only when something is not cached. The disk is scanned.
 
 use std::cell::RefCell;
 use std::collections::BTreeMap;

@@ -4,9 +4,14 @@
 //! recipes tell that something differs, these tell what.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::ffi::OsStr;
 use std::fmt::Write as _;
+use std::fs;
+use std::io::ErrorKind;
+use std::path::Path;
 
 use crate::engine::code::{self, StageCode};
+use crate::engine::disk::read_text;
 use crate::engine::error::{Error, Result};
 use crate::engine::id::{Id, Key};
 use crate::engine::key::KEY_SCHEMA;
@@ -243,6 +248,33 @@ impl Lock {
             .map(|line| (line.name.as_str(), line.content))
             .collect()
     }
+}
+
+/// The locks that lie in a folder, none if it is not there. Other programs call files `*.lock`, too: one that is no lock of
+/// ours counts only if its name, without the ending, is one that `is_ours` knows.
+///
+/// # Errors
+/// A lock that cannot be read, or is damaged, so that what it keeps is not known.
+pub fn committed(folder: &Path, is_ours: &dyn Fn(&str) -> bool) -> Result<Vec<Lock>> {
+    let entries = match fs::read_dir(folder) {
+        Err(why) if why.kind() == ErrorKind::NotFound => return Ok(Vec::new()),
+        entries => entries.map_err(Error::io("look for locks in", folder))?,
+    };
+    let mut locks = Vec::new();
+    for entry in entries {
+        let path = entry.map_err(Error::io("look for locks in", folder))?.path();
+        if path.extension().is_none_or(|extension| extension != "lock") {
+            continue;
+        }
+        let text = read_text(&path).map_err(Error::io("read the lock", &path));
+        let lock = text.and_then(|text| Lock::parse_file(&path.display().to_string(), &text));
+        match lock {
+            Ok(lock) => locks.push(lock),
+            Err(error) if path.file_stem().and_then(OsStr::to_str).is_some_and(is_ours) => return Err(error),
+            Err(_) => {}
+        }
+    }
+    Ok(locks)
 }
 
 const CRATES: &str = "made-with crates ";

@@ -38,12 +38,10 @@
 //! Outputs marked [`Keep::Evict`](crate::engine::stage::Keep) are hashed and recorded but not written; when a reader needs
 //! one and it has left memory, it is made again and checked. What `gc` took to make room is treated alike.
 //!
-//! `index.PROFILE` holds key, id and stat of each object as last verified, `shown.PROFILE` content and stat of each published
-//! file as last compared: with both a run finds quickly that it has nothing to do, with the first `status` that a piece is
-//! cached. They decide nothing else, and may be deleted. Trust in a stat (size, mtime, ctime, inode, none of them younger
-//! than 2 s when the file was verified) ends where bytes rot on the medium under an unchanged one: that is seen when the
-//! object is read for use, which always verifies, or by `verify --store`, which reads everything; `status` and
-//! `verify --lock` read the published files.
+//! No time stamp and no other word of the file system is trusted: a run with nothing to do reads the record of every piece,
+//! looks whether its object is there, reads and verifies the outputs that are published, and compares each published file
+//! byte by byte. An object that rots without being read is seen when it is read for use, which always verifies, or by
+//! `verify --store`, which reads everything.
 //!
 //! Before a run, a plan says of each piece: cached; will run; may run, if an input comes out changed. `why` compares what a
 //! piece would be made from with the nearest record of it (fewest differences, of those the latest, so that another
@@ -51,7 +49,7 @@
 //! kept is a hit like any other; what it cannot tell is said to be unrecorded.
 //!
 //! Order of reading: `stage`, `arrow`, `node`; `case`, `params`, `pipeline`, `graph`; `key`, `code`, `run`, `schedule`,
-//! `queue`; `store`, `disk`, `flight`, `object`, `record`, `parts`, `finite`, `stat`, `index`, `shown`, `idle`; `lock`, `verify`, `audit`,
+//! `queue`; `store`, `disk`, `flight`, `object`, `record`, `parts`, `finite`; `lock`, `verify`, `audit`,
 //! `rebuild`, `difference`, `publish`, `runs`, `gc`; `plan`, `history`, `compare`, `explain`, `why`; `revision`, `versions`;
 //! `chart`; `timing`; `stop`. What the command line names is in `target`, how parameter tables are laid over each other in `layers`.
 
@@ -61,6 +59,7 @@ pub mod case;
 pub mod chart;
 pub mod chart_svg;
 pub mod chart_text;
+pub mod claim;
 pub mod code;
 pub mod codec;
 mod compare;
@@ -77,13 +76,13 @@ pub mod gc;
 pub mod graph;
 mod history;
 pub mod id;
-pub mod idle;
-pub mod index;
 pub mod key;
 mod layers;
+mod listing;
 pub mod lock;
 mod manifest;
 mod memo;
+pub mod names;
 pub mod node;
 pub mod object;
 pub mod params;
@@ -101,9 +100,7 @@ pub mod run;
 mod runs;
 pub mod schedule;
 mod settings;
-pub mod shown;
 pub mod stage;
-mod stat;
 pub mod stop;
 pub mod store;
 pub mod streams;

@@ -33,7 +33,7 @@ struct Header {
 ///
 /// # Errors
 /// What is wrong with the bytes.
-pub(crate) fn verify(id: &Id, schema: Option<u64>, file: &[u8]) -> Result<(), String> {
+pub fn verify(id: &Id, schema: Option<u64>, file: &[u8]) -> Result<(), String> {
     let Some((head, payload)) = file.split_first_chunk::<HEADER>() else {
         return Err(too_short(file.len()));
     };
@@ -45,7 +45,7 @@ pub(crate) fn verify(id: &Id, schema: Option<u64>, file: &[u8]) -> Result<(), St
 }
 
 /// The payload of a verified object file, in the memory of the file.
-pub(crate) fn payload(mut file: Vec<u8>) -> Vec<u8> {
+pub fn payload(mut file: Vec<u8>) -> Vec<u8> {
     file.drain(..HEADER);
     file
 }

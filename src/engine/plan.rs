@@ -12,9 +12,8 @@ use crate::engine::arrow::Kind;
 use crate::engine::compare::{Present, inputs};
 use crate::engine::explain::{Told, tell};
 use crate::engine::graph::Graph;
-use crate::engine::history::{History, has_record_file};
+use crate::engine::history::History;
 use crate::engine::id::{Id, schema_number};
-use crate::engine::index::Index;
 use crate::engine::key::KEY_SCHEMA;
 use crate::engine::reason::Reason;
 use crate::engine::record::Record;
@@ -100,9 +99,9 @@ pub struct Plan<'g> {
 }
 
 impl<'g> Plan<'g> {
-    /// Decides every piece of a graph. Outputs of `verified` nodes are read and verified, and so are those of published
-    /// ones, and of all where there is an index, that are not as the index last saw them verified.
-    pub fn new(graph: &'g Graph, store: &'g Store, index: &Index, verified: &[usize]) -> Self {
+    /// Decides every piece of a graph by its record. The outputs of published nodes and of `verified` ones are read and
+    /// verified besides.
+    pub fn new(graph: &'g Graph, store: &'g Store, verified: &[usize]) -> Self {
         const SILENT: &Listener<'static> = &|_| {};
         let mut plan = Self {
             run: Run::new(graph, store, SILENT),
@@ -113,13 +112,11 @@ impl<'g> Plan<'g> {
         };
         for (node, it) in graph.nodes.iter().enumerate() {
             plan.present.push(Present::new(&plan.run, node));
-            let in_doubt = it.node.is_published() || !index.is_empty();
+            let verify = it.node.is_published() || verified.contains(&node);
             let state = |piece: usize| {
                 if !graph.wanted[node][piece] {
                     return State::Cached;
                 }
-                let is_vouched_for = index.hint(&plan.run, node, piece);
-                let verify = verified.contains(&node) || (in_doubt && !is_vouched_for);
                 plan.state(node, piece, verify)
             };
             let states = (0..it.pieces.len()).map(state).collect();
@@ -225,7 +222,7 @@ impl<'g> Plan<'g> {
         let Some(id) = Id::parse(&record.id) else {
             return State::WillRun(Cause::Damaged("record damaged: it names no id".to_owned()));
         };
-        self.run.suppose(node, piece, id, record.bytes);
+        self.run.take_as_known(node, piece, id, record.bytes);
         if self.run.store.was_set_aside(&id) {
             let what = "object damaged: it lies in quarantine".to_owned();
             State::WillRun(Cause::Damaged(what))
@@ -327,26 +324,34 @@ impl<'g> Plan<'g> {
     }
 }
 
-/// Takes for known what the plan of a run leaves alone though its bytes are gone: they were deleted by hand, and are made
-/// again when somebody needs them, like those that garbage collection took.
-pub(crate) fn leave_what_nobody_needs(run: &Run<'_>) {
+/// Decides every wanted piece of a run; whether all of them are cached, so that nothing has to run.
+///
+/// A piece whose object was deleted by hand counts as cached while no reader needs its bytes: like what garbage
+/// collection took, it is made again when somebody reads it.
+pub fn decide_all(run: &Run<'_>) -> bool {
     let pieces = |node| run.graph.wanted_pieces(node).map(move |piece| (node, piece));
     let all = || (0..run.graph.nodes.len()).flat_map(pieces);
-    let is_lost = |(node, piece): (usize, usize)| match run.decide(node, piece) {
-        Decision::WillRun(key) => run.store.record(&key).is_some(),
-        Decision::Cached | Decision::MayRun => false,
-    };
-    // Every one is decided, so that the run need not.
-    if all().filter(|it| is_lost(*it)).count() == 0 {
-        return;
-    }
-    // What runs is decided by records alone.
-    let plan = Plan::new(run.graph, run.store, &Index::default(), &[]);
-    for (node, piece) in all().filter(|(node, piece)| plan.states[*node][*piece] == State::Cached) {
-        if let (Some(id), Some(bytes)) = (plan.run.id(node, piece), plan.run.bytes_of(node, piece)) {
-            run.suppose(node, piece, id, bytes);
+    let (mut is_complete, mut is_lost) = (true, false);
+    for (node, piece) in all() {
+        match run.decide(node, piece) {
+            Decision::Cached => {}
+            Decision::MayRun => is_complete = false,
+            Decision::WillRun(key) => {
+                is_complete = false;
+                is_lost |= run.store.record(&key).is_some();
+            }
         }
     }
+    if !is_lost {
+        return is_complete;
+    }
+    let plan = Plan::new(run.graph, run.store, &[]);
+    for (node, piece) in all().filter(|(node, piece)| plan.states[*node][*piece] == State::Cached) {
+        if let (Some(id), Some(bytes)) = (plan.run.id(node, piece), plan.run.bytes_of(node, piece)) {
+            run.take_as_known(node, piece, id, bytes);
+        }
+    }
+    all().all(|(node, piece)| run.id(node, piece).is_some())
 }
 
 /// The pieces of a node that the plan would not leave alone.

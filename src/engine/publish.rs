@@ -15,7 +15,6 @@ use crate::engine::case::Axis;
 use crate::engine::disk::{read_regular, read_text};
 use crate::engine::error::{Error, Result};
 use crate::engine::event::Event;
-use crate::engine::gc;
 use crate::engine::graph::Graph;
 use crate::engine::lock::Lock;
 use crate::engine::run::Run;
@@ -88,7 +87,7 @@ fn set_aside(run: &Run<'_>, name: &str, path: &Path) -> Result<()> {
     let (stem, extension) = name.rsplit_once('.').unwrap_or((name, ""));
     let kept = run.store.root().join("edited");
     let kept = kept.join(format!("{stem}.{}.{extension}", &hash[..8]));
-    run.store.write(&kept, &bytes, true)?;
+    write(&kept, &String::from_utf8_lossy(&bytes))?;
     let path = name.to_owned();
     run.tell(&Event::DidSetAside { path, kept });
     Ok(())
@@ -155,8 +154,8 @@ impl Ours {
     /// What a store and its locks know.
     pub fn of(store: &Store) -> Self {
         let text = read_text(&store.root().join("published")).unwrap_or_default();
-        let locks = gc::locks_in(store.root()).unwrap_or_default().into_iter();
-        let locks = locks.filter_map(|(_, text)| Lock::parse(&text).ok());
+        let locks = fs::read_dir(store.root()).into_iter().flatten().flatten();
+        let locks = locks.filter_map(|entry| Lock::parse(&read_text(&entry.path()).ok()?).ok());
         let files = locks.flat_map(|lock| lock.lines.into_iter().filter(|line| line.pieces.is_none()));
         Self {
             hashes: text.lines().map(str::to_owned).collect(),
@@ -197,7 +196,7 @@ impl Ours {
         }
         let first = hashes.len().saturating_sub(Self::MOST);
         let text = hashes[first..].join("\n") + "\n";
-        store.write(&store.root().join("published"), text.as_bytes(), false)
+        write(&store.root().join("published"), &text)
     }
 }
 

@@ -199,8 +199,8 @@ impl<'g> Run<'g> {
         }
     }
 
-    /// Takes an id for known without looking: a plan's word for an object that will be made again.
-    pub(crate) fn suppose(&self, node: usize, piece: usize, id: Id, bytes: u64) {
+    /// Takes an id from a record without looking for its object, which will be made again when somebody reads it.
+    pub(crate) fn take_as_known(&self, node: usize, piece: usize, id: Id, bytes: u64) {
         let _ = self.known[node][piece].set((id, bytes));
     }
 

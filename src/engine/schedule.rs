@@ -9,7 +9,7 @@ use std::time::Duration;
 use crate::engine::error::{Error, Result};
 use crate::engine::event::Event;
 use crate::engine::flight::Hold;
-use crate::engine::plan::leave_what_nobody_needs;
+use crate::engine::plan::decide_all;
 use crate::engine::queue::{Queue, Turn};
 use crate::engine::run::{Decision, Run};
 use crate::engine::runs;
@@ -25,7 +25,9 @@ pub fn execute(run: &Run<'_>, workers: usize) -> Result<()> {
     let nodes = run.graph.nodes.iter().enumerate();
     let nodes = nodes.map(|(node, it)| (it.name(), run.graph.wanted_pieces(node).count()));
     run.tell(&Event::DidPlan { nodes: nodes.collect() });
-    leave_what_nobody_needs(run);
+    if decide_all(run) {
+        return reuse_all(run);
+    }
     let queue = Queue::new(run.graph);
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(workers)
@@ -50,6 +52,16 @@ pub fn execute(run: &Run<'_>, workers: usize) -> Result<()> {
         Ok(()) | Err(Error::Failures(_) | Error::Interrupted) => runs::remember(run).and(verdict),
         Err(_) => verdict,
     }
+}
+
+/// A run with nothing to do starts no thread.
+fn reuse_all(run: &Run<'_>) -> Result<()> {
+    for node in 0..run.graph.nodes.len() {
+        for piece in run.graph.wanted_pieces(node) {
+            reuse(run, node, piece);
+        }
+    }
+    runs::remember(run)
 }
 
 /// While the workers work: publishes what has waited long enough, and ends the run when somebody asks for it.

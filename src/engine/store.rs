@@ -351,8 +351,8 @@ impl Store {
         let records: Vec<At> = waiting.iter().map(|pending| pending.record.at()).collect();
         self.synchronise_folders(Folder::Records, &records)?;
         self.grown.store(false, Ordering::Relaxed);
-        // The locks on the keys are let go of here, when the records can be read.
-        drop(waiting);
+        // The locks on the keys are let go of now that the records can be read.
+        waiting.into_iter().for_each(|pending| drop(pending.lock));
         Ok(())
     }
 

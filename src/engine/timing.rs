@@ -73,7 +73,7 @@ pub fn recorded(graph: &Graph, store: &Store) -> Vec<StageTime> {
             let Some(key) = run.key(node, piece) else { continue };
             let Some(record) = store.record(&key) else { continue };
             if let Some(id) = Id::parse(&record.id) {
-                run.suppose(node, piece, id, record.bytes);
+                run.take_as_known(node, piece, id, record.bytes);
             }
             if seen.insert(record.key) {
                 pieces.push((name.as_str(), record.seconds, record.bytes));

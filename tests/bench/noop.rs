@@ -1,12 +1,11 @@
-//! How long does it take to find that there is nothing to do, at 200, 1,000 and 5,000 keys, by the index and without it;
-//! what does a cached key cost; how long does the whole process take at quick size; how fast are bytes hashed; what does it
-//! cost to look for numbers that are none?
+//! How long does it take to find that there is nothing to do, at 200, 1,000 and 5,000 keys; what does a cached key cost; how
+//! long does the whole process take at quick size (at most 50 ms is wanted); how fast are bytes hashed; what does it cost to
+//! look for numbers that are none?
 
 use std::hint::black_box;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::{Arc, OnceLock};
-use std::time::Duration;
 
 use divan::Bencher;
 use divan::counter::{BytesCount, ItemsCount};
@@ -17,7 +16,6 @@ use encounter::engine::event::Event;
 use encounter::engine::finite::check;
 use encounter::engine::graph::Graph;
 use encounter::engine::id::Id;
-use encounter::engine::index::{Belief, Index};
 use encounter::engine::node::node;
 use encounter::engine::params::ParamsFile;
 use encounter::engine::pipeline::Pipeline;
@@ -112,28 +110,15 @@ impl House {
             folder: tempfile::tempdir().expect("a temporary folder can be made"),
             params,
         };
-        house.run(true);
-        // Objects as young as the index are hashed again, in a run like any other.
-        std::thread::sleep(Duration::from_millis(2_100));
-        house.run(true);
+        house.run();
         house
     }
 
-    fn run(&self, renew: bool) {
+    fn run(&self) {
         let graph = self.graph();
         let store = self.store();
         let run = Run::new(&graph, &store, &|_: &Event| {});
         schedule::execute(&run, 2).expect("the toy runs");
-        if renew {
-            let index = Index::read(store.root(), "bench");
-            index.renew(&run).expect("the index can be written");
-        }
-    }
-
-    fn believe(&self) -> Belief {
-        let graph = self.graph();
-        let store = self.store();
-        Index::read(store.root(), "bench").believe(&Run::new(&graph, &store, &|_: &Event| {}))
     }
 
     fn graph(&self) -> Graph {
@@ -145,21 +130,11 @@ impl House {
     }
 }
 
-/// Graph, index, keys and a look at each object: the decision of a run with nothing to do.
-#[divan::bench(args = KEYS)]
-fn decision_by_the_index(bencher: Bencher<'_, '_>, keys: u64) {
-    let house = House::of(keys);
-    assert_eq!(house.believe(), Belief::All { rehashed: false });
-    bencher
-        .counter(ItemsCount::new(keys))
-        .bench_local(|| black_box(house.believe()));
-}
-
-/// The same with the index deleted: a record read and parsed for each key.
+/// Graph, keys, a record read and parsed and a look for the object of each key: the decision of a run with nothing to do.
 #[divan::bench(args = KEYS, sample_count = 20)]
-fn decision_by_the_records(bencher: Bencher<'_, '_>, keys: u64) {
+fn nothing_to_do(bencher: Bencher<'_, '_>, keys: u64) {
     let house = House::of(keys);
-    bencher.counter(ItemsCount::new(keys)).bench_local(|| house.run(false));
+    bencher.counter(ItemsCount::new(keys)).bench_local(|| house.run());
 }
 
 /// A store of the quick profile, kept beside the build.
@@ -167,10 +142,6 @@ fn quick() -> &'static Path {
     static STORE: OnceLock<PathBuf> = OnceLock::new();
     STORE.get_or_init(|| {
         let store = Path::new(env!("CARGO_TARGET_TMPDIR")).join("bench-quick");
-        for _ in 0..2 {
-            process("run", &store);
-            std::thread::sleep(Duration::from_millis(2_100));
-        }
         process("run", &store);
         store
     })

@@ -5,7 +5,6 @@ use encounter::engine::chart::{Chart, Tile, chart};
 use encounter::engine::chart_svg::{stair, svg};
 use encounter::engine::chart_text::{dot, mermaid};
 use encounter::engine::graph::Graph;
-use encounter::engine::index::Index;
 use encounter::engine::params::ParamsFile;
 use encounter::engine::plan::Plan;
 use encounter::engine::store::Store;
@@ -23,10 +22,7 @@ fn of_paper(by_case: bool) -> Chart {
     let params = ParamsFile::read(&[&file], &[]).expect("the paper's parameters are readable");
     let graph = Graph::new(&PIPELINE, &params, &[]).expect("the paper's parameters are in order");
     let store = Store::look(Path::new("no such store"));
-    chart(
-        &Plan::new(&graph, &store, &Index::read(store.root(), "toy"), &[]),
-        by_case,
-    )
+    chart(&Plan::new(&graph, &store, &[]), by_case)
 }
 
 fn named<'c>(chart: &'c Chart, name: &str) -> &'c Tile {

@@ -2,6 +2,7 @@
 
 use crate::common::{EVERYTHING, House};
 use encounter::engine::gc::Alone;
+use encounter::engine::store::Store;
 use std::fs;
 use std::sync::mpsc::channel;
 use std::thread;
@@ -41,7 +42,9 @@ fn what_the_last_runs_used_stays_and_the_rest_goes() {
 fn what_a_lock_names_stays_however_many_runs_ago() {
     let mut house = House::new();
     let lock = house.run().locked();
-    fs::write(house.path("store/toy.lock"), lock.text()).expect("a lock can be written");
+    let committed = house.path("checkout/toy.lock");
+    fs::create_dir(house.path("checkout")).expect("a folder can be made");
+    fs::write(&committed, lock.text()).expect("a lock can be written");
     for seed in 1..=4 {
         house.edits.clear();
         house.set(&format!("run.seed={seed}"));
@@ -52,7 +55,7 @@ fn what_a_lock_names_stays_however_many_runs_ago() {
     let done = house.run();
     assert_eq!((done.ran(), done.healed()), (Vec::new(), Vec::new()));
     // A lock that cannot be read may name anything.
-    fs::write(house.path("store/toy.lock"), "<<<<<<< ours\n").expect("a lock can be written");
+    fs::write(&committed, "<<<<<<< ours\n").expect("a lock can be written");
     let error = house.gc(0, true).expect_err("a refusal");
     assert!(error.to_string().contains("toy.lock, line 1 is damaged"), "{error}");
     assert_eq!(error.exit_code(), 5);
@@ -138,15 +141,15 @@ fn within_the_bound_nothing_but_garbage_goes() {
 #[test]
 fn who_collects_waits_for_runs_and_runs_wait_for_it() {
     let house = House::lived_in(&[]);
-    let root = house.path("store");
+    let disk = || Store::disk(&house.path("store")).expect("the store is there");
     let running = house.store();
-    assert!(Alone::now(&root).is_none(), "a run lives");
+    assert!(Alone::now(disk()).is_none(), "a run lives");
     let (told, hears) = channel();
     thread::scope(|scope| {
         let told_too = told.clone();
         let collector = scope.spawn(|| {
             let waiting = move || told_too.send("gc waits").expect("somebody listens");
-            Alone::wait(&root, &waiting).expect("the store")
+            Alone::wait(disk(), &waiting).expect("the store")
         });
         assert_eq!(hears.recv_timeout(Duration::from_secs(20)), Ok("gc waits"));
         drop(running);
@@ -172,25 +175,38 @@ fn a_stranger_s_file_in_a_folder_of_the_store_stays() {
     let strangers = [
         "tmp/mine/thesis.txt",
         "tmp/notes",
+        "tmp/0123456789abcdef-photo.jpg",
         "records/vinyl.txt",
         "objects/stone",
+        "objects/ab/stone",
+        "parts/cad/hull.step",
+        "parts/hull.step",
+        "manifests/ab/cargo.csv",
+        "manifests/cargo/list.csv",
         "quarantine/letter.txt",
+        "quarantine/0123456789abcdef.pdf",
+        "locks/door",
+        "runs/marathon.json",
+        "yarn.lock",
+        "fig3.0123456789abcdef.tmp",
     ];
     for name in strangers {
         let path = house.path("store").join(name);
         fs::create_dir_all(path.parent().expect("a folder")).expect("a folder can be made");
         fs::write(path, "mine").expect("a file can be written");
     }
-    house.gc(0, false).expect("garbage is collected");
+    let sweep = house.gc(0, false).expect("garbage is collected");
     for name in strangers {
         assert!(house.path("store").join(name).is_file(), "{name}");
     }
+    assert_eq!(sweep.foreign.len(), 13, "{:?}", sweep.foreign);
 }
 
 #[test]
 fn a_lock_that_cannot_be_read_stops_the_collection() {
     let house = House::lived_in(&[]);
-    fs::write(house.path("store/toy.lock"), [0xff, 0xfe]).expect("a lock can be written");
+    fs::create_dir(house.path("checkout")).expect("a folder can be made");
+    fs::write(house.path("checkout/toy.lock"), [0xff, 0xfe]).expect("a lock can be written");
     let before = house.files_in("store/objects");
     let error = house.gc(0, false).expect_err("what the lock keeps is not known");
     assert!(error.to_string().contains("read the lock"), "{error}");
@@ -212,14 +228,15 @@ fn runs_at_once_take_a_number_each() {
         .iter()
         .map(|path| path.file_name().expect("a name").to_string_lossy().into_owned())
         .collect();
-    assert_eq!(names, ["4.json", "5.json", "6.json"]);
+    let of_none = |number: u64| format!("{:016x}-{number}.json", 0);
+    assert_eq!(names, [of_none(4), of_none(5), of_none(6)]);
 }
 
 #[test]
 fn a_number_that_no_run_could_have_reached_ends_no_counting() {
     let mut house = House::lived_in(&[]);
     for number in [u64::MAX - 1, u64::MAX] {
-        let strange = house.path("store/runs").join(format!("{number}.json"));
+        let strange = house.path("store/runs").join(format!("{:016x}-{number}.json", 0));
         fs::write(strange, "{}").expect("a file can be written");
     }
     for value in 10..13 {

@@ -1,5 +1,8 @@
 //! What runs and what does not.
 
+use std::fs::{self, File};
+use std::path::{Path, PathBuf};
+
 use crate::common::{EVERYTHING, House};
 
 const NOTHING: [&str; 0] = [];
@@ -177,4 +180,108 @@ fn a_file_edited_by_hand_is_restored() {
     let done = house.run();
     assert_eq!((done.ran().len(), done.written()), (0, vec!["report.csv".to_owned()]));
     assert_eq!(std::fs::read(&path).expect("the file is published"), ours);
+}
+
+/// Edits a file without changing its length; size and time of modification are as before.
+fn edit_in_secret(path: &Path, byte: usize) {
+    let mut bytes = fs::read(path).expect("a file");
+    let before = fs::metadata(path).expect("a file");
+    bytes[byte] ^= 1;
+    fs::write(path, &bytes).expect("a file can be edited");
+    let file = File::options().append(true).open(path).expect("a file can be opened");
+    let times = before.modified().expect("files have times");
+    file.set_modified(times).expect("times can be set back");
+    let after = fs::metadata(path).expect("a file");
+    assert_eq!((after.len(), after.modified().ok()), (before.len(), Some(times)));
+}
+
+fn figures(house: &House) -> Vec<(PathBuf, Vec<u8>)> {
+    let paths = house.files_in("figures").into_iter();
+    paths
+        .map(|path| (path.clone(), fs::read(path).expect("a figure")))
+        .collect()
+}
+
+#[test]
+fn an_edited_figure_under_the_same_size_and_time_is_seen_and_restored() {
+    let house = House::lived_in(&[]);
+    let good = figures(&house);
+    assert_eq!(good.len(), 6);
+    for (path, bytes) in &good {
+        edit_in_secret(path, bytes.len() - 2);
+        let done = house.run();
+        let counts = (done.ran().len(), done.set_aside().len(), done.written().len());
+        assert_eq!(counts, (0, 1, 1), "{}", path.display());
+        assert_eq!(figures(&house), good);
+    }
+}
+
+#[test]
+fn a_figure_deleted_replaced_or_turned_into_a_link_is_made_again_and_the_target_of_the_link_stays() {
+    let house = House::lived_in(&[]);
+    let good = figures(&house);
+    let (figure, mine) = (house.path("figures/report.csv"), house.path("mine.csv"));
+    fs::remove_file(&figure).expect("a figure can be deleted");
+    assert_eq!(house.run().written(), ["report.csv"]);
+    fs::write(&mine, "mine").expect("a file can be written");
+    fs::rename(&mine, &figure).expect("a figure can be replaced");
+    assert_eq!(house.run().written(), ["report.csv"]);
+    assert_eq!(figures(&house), good);
+    for target in [house.path("figures/large/report.csv"), house.path("nowhere")] {
+        let before = fs::read(&target).ok();
+        fs::remove_file(&figure).expect("a figure can be deleted");
+        std::os::unix::fs::symlink(&target, &figure).expect("a link can be made");
+        house.run().expect_success();
+        assert!(figure.symlink_metadata().expect("a figure").is_file());
+        assert_eq!((fs::read(&target).ok(), figures(&house)), (before, good.clone()));
+    }
+}
+
+#[test]
+fn a_published_output_with_a_flipped_bit_under_the_same_time_is_healed_by_the_next_run() {
+    let house = House::lived_in(&[]);
+    let done = house.run();
+    let object = house.object(&done.known["report/small/0"].1);
+    let good = fs::read(&object).expect("the object is there");
+    edit_in_secret(&object, 80);
+    let done = house.run();
+    assert_eq!(
+        (done.healed(), done.written().len()),
+        (vec!["report/small/0".to_owned()], 0)
+    );
+    assert_eq!(fs::read(&object).expect("the object is there"), good);
+}
+
+#[test]
+fn an_inner_output_with_a_flipped_bit_is_left_while_nobody_reads_it_and_healed_by_the_first_reader() {
+    let mut house = House::lived_in(&[]);
+    let done = house.run();
+    let object = house.object(&done.known["total/a/0"].1);
+    let good = fs::read(&object).expect("the object is there");
+    edit_in_secret(&object, 66);
+    assert_eq!(house.run().healed(), NOTHING);
+    house.set("scale.small.factor=3");
+    let done = house.run();
+    done.expect_success();
+    assert_eq!(done.healed(), ["total/a/0"]);
+    assert_eq!(fs::read(&object).expect("the object is there"), good);
+}
+
+#[test]
+fn a_record_that_is_lost_or_damaged_is_made_again() {
+    let house = House::lived_in(&[]);
+    let known = house.run().known;
+    let records: Vec<PathBuf> = house.files_in("store/records");
+    assert!(records.len() > 5);
+    for (i, record) in records.iter().enumerate() {
+        let whole = fs::read(record).expect("a record");
+        if i % 2 == 0 {
+            fs::remove_file(record).expect("a record can be deleted");
+        } else {
+            edit_in_secret(record, i % whole.len());
+        }
+        let done = house.run();
+        assert!(!done.ran().is_empty() && record.is_file(), "{}", record.display());
+        assert_eq!(done.known, known);
+    }
 }

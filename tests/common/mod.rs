@@ -5,14 +5,13 @@ pub(crate) mod program;
 pub(crate) mod records;
 pub(crate) mod toy;
 
-use encounter::engine::disk::{Disk, System};
+use encounter::engine::disk::Disk;
 use encounter::engine::error::Error;
 use encounter::engine::event::Event;
 use encounter::engine::gc::{self, Alone, Sweep};
 use encounter::engine::graph::{Graph, NodeCase};
 use encounter::engine::id::{Id, Key};
-use encounter::engine::index::Index;
-use encounter::engine::lock::Lock;
+use encounter::engine::lock::{self, Lock};
 use encounter::engine::params::ParamsFile;
 use encounter::engine::pipeline::Pipeline;
 use encounter::engine::plan::{NodePlan, Plan};
@@ -69,12 +68,16 @@ steady = true
 shift = 0
 "#;
 
+/// What makes another disk of one.
+pub(crate) type Wrap = Box<dyn Fn(Arc<dyn Disk>) -> Arc<dyn Disk> + Send + Sync>;
+
 /// A store, a figures folder and the parameters in force.
 pub(crate) struct House {
     root: PathBuf,
     /// None in a process that another one gave the folder.
     _folder: Option<TempDir>,
-    pub(crate) disk: Arc<dyn Disk>,
+    /// What the store's disk is wrapped in.
+    pub(crate) disk: Wrap,
     pub(crate) pipeline: Pipeline,
     pub(crate) text: String,
     pub(crate) edits: Vec<String>,
@@ -106,7 +109,7 @@ impl House {
         Self {
             root,
             _folder: own,
-            disk: Arc::new(System),
+            disk: Box::new(|disk| disk),
             pipeline: TOY,
             text: PARAMS.to_owned(),
             edits: Vec::new(),
@@ -158,15 +161,17 @@ impl House {
     }
 
     fn open(&self) -> Result<Store, Error> {
-        Store::open_on(&self.path("store"), Arc::clone(&self.disk), &|| ())
+        Store::open_on((self.disk)(Store::disk(&self.path("store"))?), &|| ())
     }
 
     /// What `gc` would take to come within a size; takes it, unless the run is dry.
     pub(crate) fn gc(&self, bound: u64, dry: bool) -> Result<Sweep, Error> {
-        let root = self.path("store");
-        let sweep = gc::plan(&root, &self.pipeline, &[], bound)?;
+        let disk = (self.disk)(Store::disk(&self.path("store"))?);
+        let alone = Alone::wait(disk, &|| ())?;
+        let locks = lock::committed(&self.path("checkout"), &|stem| stem == "toy")?;
+        let sweep = gc::plan(alone.store(), &self.pipeline, &locks, bound)?;
         if !dry {
-            gc::carry_out(&Alone::wait(&root, &|| ())?, &root, &sweep)?;
+            alone.carry_out(&sweep)?;
         }
         Ok(sweep)
     }
@@ -274,10 +279,7 @@ impl House {
     pub(crate) fn plan<T>(&self, look: impl FnOnce(&Plan<'_>, &Graph) -> T) -> T {
         let graph = self.graph(&[]).expect("the parameters are in order");
         let store = Store::look(&self.path("store"));
-        look(
-            &Plan::new(&graph, &store, &Index::read(store.root(), "toy"), &[]),
-            &graph,
-        )
+        look(&Plan::new(&graph, &store, &[]), &graph)
     }
 
     /// The plan of one node.
@@ -301,11 +303,7 @@ impl House {
             .filter(|node| named(&graph.nodes[*node]))
             .collect();
         let store = Store::look(&self.path("store"));
-        why(
-            &Plan::new(&graph, &store, &Index::read(store.root(), "toy"), &nodes),
-            &nodes,
-            target.piece,
-        )
+        why(&Plan::new(&graph, &store, &nodes), &nodes, target.piece)
     }
 
     pub(crate) fn object(&self, id: &Id) -> PathBuf {

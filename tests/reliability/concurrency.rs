@@ -1,12 +1,11 @@
 //! Runs at once: each key is made once, nobody fails, everybody ends with the same contents.
 
 use super::child::{Answer, Task, answer, slow_house, start};
-use super::disk::{Deed, Watched};
+use super::disk::{Deed, watched};
 use crate::common::House;
 use std::collections::BTreeMap;
 use std::io;
 use std::path::Path;
-use std::sync::Arc;
 use std::thread;
 use tempfile::TempDir;
 
@@ -153,10 +152,10 @@ fn without_locks_work_is_doubled_and_nothing_corrupted() {
     let folder = folder();
     let house = || {
         let mut house = slow_house(folder.path());
-        house.disk = Arc::new(Watched(|deed: Deed<'_>| match deed {
+        house.disk = watched(|_, deed| match deed {
             Deed::TryLock => Err(io::ErrorKind::Unsupported.into()),
             _ => Ok(()),
-        }));
+        });
         house
     };
     assert!(house().store().is_without_locks());

@@ -3,11 +3,11 @@
 
 use super::bad_entries;
 use super::child::slow_house;
-use super::disk::{Deed, Watched};
+use super::disk::{Deed, watched};
 use crate::cli::verbs::SMALL;
-use crate::common::House;
+use crate::common::{House, Wrap};
 use crate::common::program::Program;
-use encounter::engine::disk::{Disk, System};
+use encounter::engine::disk::Disk;
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -36,17 +36,17 @@ impl Fuse {
         Arc::new(Self { left, error, writes })
     }
 
-    fn hear(&self, deed: Deed<'_>) -> io::Result<()> {
+    fn hear(&self, disk: &dyn Disk, deed: Deed<'_>) -> io::Result<()> {
         let written = match deed {
-            Deed::Write(path, bytes) => Some((path, bytes)),
+            Deed::Write(at, bytes) => Some((at, bytes)),
             _ if self.writes => return Ok(()),
             _ => None,
         };
         if self.left.fetch_sub(1, Ordering::Relaxed) > 0 {
             return Ok(());
         }
-        if let Some((path, bytes)) = written {
-            System.write(path, &bytes[..bytes.len() / 2])?;
+        if let Some((at, bytes)) = written {
+            disk.write_new(at, &bytes[..bytes.len() / 2])?;
         }
         Err(io::Error::from_raw_os_error(self.error))
     }
@@ -56,9 +56,9 @@ impl Fuse {
         self.left.load(Ordering::Relaxed) > usize::MAX / 2
     }
 
-    fn disk(self: &Arc<Self>) -> Arc<dyn Disk> {
+    fn disk(self: &Arc<Self>) -> Wrap {
         let fuse = Arc::clone(self);
-        Arc::new(Watched(move |deed: Deed<'_>| fuse.hear(deed)))
+        watched(move |disk, deed| fuse.hear(disk, deed))
     }
 }
 

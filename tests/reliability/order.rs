@@ -2,8 +2,9 @@
 //! before any record names it, and a record before it takes its place.
 
 use super::child::slow_house;
-use super::disk::{Deed, Watched};
+use super::disk::{Deed, watched};
 use crate::common::House;
+use encounter::engine::names::At;
 use serde_json::Value;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -21,16 +22,18 @@ enum Done {
 fn deeds(house: &mut House) -> Vec<Done> {
     let deeds = Arc::new(Mutex::new(Vec::new()));
     let noted = Arc::clone(&deeds);
-    house.disk = Arc::new(Watched(move |deed: Deed<'_>| {
+    let store = house.path("store");
+    let path = move |at: &At| store.join(at.text());
+    house.disk = watched(move |_, deed| {
         let done = match deed {
-            Deed::Write(path, _) => Done::Wrote(path.to_owned()),
-            Deed::Synchronise(path) => Done::Synchronised(path.to_owned()),
-            Deed::Rename(from, to) => Done::Renamed(from.to_owned(), to.to_owned()),
-            Deed::TryLock | Deed::Other => return Ok(()),
+            Deed::Write(at, _) => Done::Wrote(path(at)),
+            Deed::Synchronise(at) => Done::Synchronised(path(at)),
+            Deed::Rename(from, to) => Done::Renamed(path(from), path(to)),
+            _ => return Ok(()),
         };
         noted.lock().expect("no panic").push(done);
         Ok(())
-    }));
+    });
     house.run().expect_success();
     let deeds = deeds.lock().expect("no panic");
     deeds.clone()
