@@ -4,8 +4,15 @@
 //! along the L-BFGS direction of their subspace; the line search follows the path bent by the bounds,
 //! x(t) = P(x + t d), until the weak Wolfe conditions hold there. Weak, not strong: its bracketing (Lewis & Overton,
 //! Math. Program. 141, 2013) also ends at the kinks of a non-smooth objective. All steps are in a written order, so a
-//! minimum is reproducible to the last bit. Tested on Rosenbrock with and without active bounds, quadratics with known
-//! answers and kinks in `tests/physics/lbfgsb.rs`.
+//! minimum is reproducible to the last bit.
+//!
+//! The method is not free of units: the first step has the length 1, the tolerances are absolute where the value is below
+//! 1, and a stored pair is judged by sᵀy against yᵀy. So the caller chooses units in which steps and values are of order 1.
+//! Detection counts times in samples and elevations in H_s/12; the variables of the surrogate are logarithms, and its
+//! responses are standardised.
+//!
+//! Tested on Rosenbrock with and without active bounds, quadratics with known answers and kinks in
+//! `tests/physics/lbfgsb.rs`.
 
 use super::lbfgs_memory::{Memory, Point};
 
@@ -28,7 +35,7 @@ pub struct Settings {
     pub max_iterations: u32,
     /// Most evaluations of the objective.
     pub max_evaluations: u32,
-    /// Converged when the largest component of x - P(x - gradient) is at most this.
+    /// Converged when the largest component of x - P(x - gradient) is at most this; absolute.
     pub gradient_tolerance: f64,
     /// Converged when one iteration lowers the value by at most this times max(|value|, 1).
     pub value_tolerance: f64,

@@ -27,7 +27,7 @@ const CENTRE_REACH: f64 = 30.0;
 const LENGTH_RANGE: f64 = 1.3;
 /// Least and greatest amplitude of a fit, in A_0.
 const AMPLITUDE_RANGE: [f64; 2] = [0.95, 1.1];
-/// The fit's limits; the tolerances are those usual for L-BFGS-B.
+/// The fit's limits; the tolerances are those usual for L-BFGS-B, in samples and units of H_s/12.
 pub const FIT: Settings = Settings {
     memory: 10,
     max_iterations: 100,
@@ -36,14 +36,14 @@ pub const FIT: Settings = Settings {
     value_tolerance: 2.2e-9,
 };
 
-/// A group or a seed of one, in samples and metres.
+/// A group or a seed of one, in samples and in the field's unit of elevation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Candidate {
     /// Centre, samples; may lie outside the period.
     pub x: f64,
     /// Length, samples.
     pub l: f64,
-    /// Amplitude, m.
+    /// Amplitude, units.
     pub a: f64,
     /// Similarity C by (G1), for seeds 0.
     pub similarity: f64,

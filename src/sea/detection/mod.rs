@@ -3,15 +3,17 @@
 //!
 //! | paper | code | unit or shape | meaning |
 //! |---|---|---|---|
-//! | rho | `rho` | (n) m | envelope, periodic |
-//! | D(x, s) | `d` | m | scale-space response at position x, scale s |
+//! | rho | `rho` | (n) m, or units of `unit` within the steps | envelope, periodic |
+//! | D(x, s) | `d` | units | scale-space response at position x, scale s |
 //! | x, s, l | `x`, `s`, `l` | samples | position, scale, length = s/sqrt 2 at a minimum of D |
-//! | A | `a` | m | amplitude |
+//! | A | `a` | units | amplitude |
 //! | C | `similarity` | 1 | similarity of the envelope to the group's Gaussian |
 //! | C_thr | `similarity_threshold` | 1 | least similarity of a group |
 //!
 //! The steps: (1) coarse scale space in `scale_space`, (2) refinement in `refine`; (3) pre-check, (4) fit, (5) post-check
-//! in `fit`; (6) removal of overlaps in `prune`; (7) units here. Tested in `tests/physics/detection.rs`.
+//! in `fit`; (6) removal of overlaps in `prune`; (7) seconds and metres here. Between envelope and step (7) every elevation
+//! is counted in twelfths of the field's own significant wave height, by `unit`: 1 m in a sea of H_s = 12 m. Times are
+//! counted in samples. Tested in `tests/physics/detection.rs`.
 
 pub mod bell;
 pub mod fit;
@@ -20,6 +22,7 @@ pub mod refine;
 pub mod ring;
 pub mod scale_space;
 pub mod similarity;
+pub mod unit;
 
 use crate::numerics::domain;
 use crate::numerics::fourier::WIDTH;
@@ -88,6 +91,14 @@ impl Detection {
         within("longest", self.longest, fit::SHORTEST_FIT, 1e4)?;
         within("shortest", self.shortest, 0.0, self.longest)
     }
+
+    /// The same settings with the one elevation among them, `smallest_amplitude`, in units of `unit` m.
+    fn in_units(&self, unit: f64) -> Self {
+        Self {
+            smallest_amplitude: self.smallest_amplitude / unit,
+            ..self.clone()
+        }
+    }
 }
 
 /// The groups of every field, steps (1) to (7); `rho` has a power of two of samples per field.
@@ -101,10 +112,13 @@ pub fn detect(rho: &Envelopes, d: &Detection) -> Groups {
     let mut space = ScaleSpace::new(n, d.scales);
     let mut fields = Vec::with_capacity(rho.rho.len());
     for block in rho.rho.chunks(WIDTH) {
-        space.fill(block);
-        for (lane, (field, seeds)) in block.iter().zip(space.seeds()).enumerate() {
+        let units: Vec<f64> = block.iter().map(|field| unit::unit_of(field)).collect();
+        let scaled = block.iter().zip(&units);
+        let scaled: Vec<Vec<f64>> = scaled.map(|(field, unit)| unit::in_units(field, *unit)).collect();
+        space.fill(&scaled);
+        for (lane, (field, seeds)) in scaled.iter().zip(space.seeds()).enumerate() {
             let minima = minima(&Pyramid::new(field, space.envelopes(lane)), &seeds, d);
-            fields.push(groups_of(Ring::new(field), &minima, rho.spacing, d));
+            fields.push(groups_of(Ring::new(field), &minima, rho.spacing, units[lane], d));
         }
     }
     Groups { fields }
@@ -123,28 +137,29 @@ fn minima(pyramid: &Pyramid, seeds: &[Seed], d: &Detection) -> Vec<Seed> {
     minima
 }
 
-/// Steps (3) to (7) for one field.
-fn groups_of(rho: Ring, minima: &[Seed], spacing: f64, d: &Detection) -> Vec<WaveGroup> {
+/// Steps (3) to (7) for one field, whose envelope is in units of `unit` m and has a sample every `spacing` s.
+fn groups_of(rho: Ring, minima: &[Seed], spacing: f64, unit: f64, d: &Detection) -> Vec<WaveGroup> {
+    let d = &d.in_units(unit);
     let starts: Vec<_> = minima.iter().filter_map(|seed| fit::precheck(rho, *seed, d)).collect();
     let mut fitted = fit::fit(rho, &starts, d);
     fitted.retain(|group| fit::postcheck(group, d));
     let n = rho.len() as f64;
     let mut groups: Vec<_> = prune::without_overlaps(fitted, n, d)
         .iter()
-        .map(|group| in_seconds(group, n, spacing))
+        .map(|group| in_seconds_and_metres(group, n, spacing, unit))
         .collect();
     groups.sort_by(|p, q| p.t_c.total_cmp(&q.t_c).then(p.l.total_cmp(&q.l)));
     groups
 }
 
-/// Step (7): seconds within the field's period of n samples.
-fn in_seconds(group: &Candidate, n: f64, spacing: f64) -> WaveGroup {
+/// Step (7): seconds within the field's period of n samples, and metres.
+fn in_seconds_and_metres(group: &Candidate, n: f64, spacing: f64, unit: f64) -> WaveGroup {
     let x = group.x - n * (group.x / n).floor();
     WaveGroup {
         // A centre a rounding error below zero comes out as n.
         t_c: if x >= n { 0.0 } else { spacing * x },
         l: spacing * group.l,
-        a: group.a,
+        a: unit * group.a,
         similarity: group.similarity,
     }
 }

@@ -43,11 +43,11 @@ pub struct Seed {
 /// D and its derivatives at a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Response {
-    /// D, m.
+    /// D, in the unit of the envelope.
     pub d: f64,
-    /// dD/dx and dD/ds, m per sample.
+    /// dD/dx and dD/ds, units per sample.
     pub slope: [f64; 2],
-    /// d2D/dx2, d2D/dx ds and d2D/ds2, m per sample squared.
+    /// d2D/dx2, d2D/dx ds and d2D/ds2, units per sample squared.
     pub bend: [f64; 3],
 }
 

@@ -8,7 +8,7 @@
 //! |---|---|---|---|
 //! | h = 1, 2, 4, ... | `step` | samples | spacing of a level in x and in s |
 //! | s = w h | | samples | scale; w = 4..=15 where h = 1, else 8..=15 |
-//! | rho^ | `spectrum` | (n) m | transform of the envelope |
+//! | rho^ | `spectrum` | (n) units | transform of the envelope, in units of H_s/12 |
 //!
 //! At s >= 3 both sums are the same to 1e-17. K_s has no modes left beyond 9/s, so level h needs n/h samples, and the
 //! envelope without the modes beyond pi/h has the same D at s >= 4 h: `refine` works with that one. Tested against the
@@ -21,7 +21,7 @@ use crate::numerics::lanes::{Kernel, dispatch};
 use num_complex::Complex;
 use num_traits::Zero;
 
-/// Decimals to which the response is rounded, as a factor: it is kept in units of 1e-8 m.
+/// Decimals to which the response is rounded, as a factor: it is kept in whole 1e-8 of the envelope's unit, H_s/1.2e9.
 pub const DECIMALS: f64 = 1e8;
 /// Adding and subtracting this rounds |x| < 2^51 to the nearest whole number.
 const ROUND: f64 = 6_755_399_441_055_744.0;
@@ -47,9 +47,9 @@ struct Level {
     sought: [usize; 2], // first and last scale at which minima are sought, steps; none if first > last
     inverse: Transform,
     kernels: Vec<Vec<f64>>,       // (rows)(n/step) transform of k_s over n, real since k_s is even
-    rows: Vec<Vec<[f64; WIDTH]>>, // (rows)(n/step) D, units of 1e-8 m; an even number of rows
+    rows: Vec<Vec<[f64; WIDTH]>>, // (rows)(n/step) D, 1e-8 units; an even number of rows
     pass: [Vec<f64>; 2],          // (n/step) 1/n for the modes that the level has, and nothing
-    rho: Vec<Vec<f64>>,           // (lanes)(n/step) the envelopes without the other modes, m; none on the first level
+    rho: Vec<Vec<f64>>, // (lanes)(n/step) the envelopes without the other modes, units; none on the first level
 }
 
 impl ScaleSpace {
@@ -82,7 +82,7 @@ impl ScaleSpace {
         }
     }
 
-    /// D of one field at sample j and scale s, rounded to 8 decimals, m; None if no level has that point.
+    /// D of one field at sample j and scale s, rounded to 8 decimals of the unit; None if no level has that point.
     pub fn response(&self, lane: usize, j: usize, s: usize) -> Option<f64> {
         let has = |level: &&Level| {
             j.is_multiple_of(level.step) && s.is_multiple_of(level.step) && s / level.step >= level.first
@@ -92,7 +92,7 @@ impl ScaleSpace {
         Some(levels.find_map(value)? / DECIMALS)
     }
 
-    /// One field's envelopes at the spacings 2, 4, ...: (levels)(n/step) m.
+    /// One field's envelopes at the spacings 2, 4, ...: (levels)(n/step) units.
     pub fn envelopes(&self, lane: usize) -> impl Iterator<Item = &[f64]> {
         self.levels[1..].iter().map(move |level| level.rho[lane].as_slice())
     }
@@ -240,7 +240,7 @@ fn multiply(spectrum: &[Complex<Lanes>], first: &[f64], second: &[f64], out: &mu
     }
 }
 
-/// Real and imaginary part to one row each, in whole units of 1e-8 m.
+/// Real and imaginary part to one row each, in whole 1e-8 of the unit.
 struct Store<'a> {
     buffer: &'a [Complex<Lanes>],
     first: &'a mut [[f64; WIDTH]],

@@ -14,14 +14,14 @@ use super::ring::{Ring, Window, total};
 use crate::numerics::fourier::WIDTH;
 use crate::numerics::lanes::{Kernel, dispatch};
 
-/// A Gaussian and the window in which it is compared, samples and metres.
+/// A Gaussian and the window in which it is compared, in samples and in the unit of the envelope.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Comparison {
     /// Centre x, samples.
     pub x: f64,
     /// Length l, samples.
     pub l: f64,
-    /// Amplitude A, m.
+    /// Amplitude A, units.
     pub a: f64,
     /// Half-width of the window, samples.
     pub reach: f64,
