@@ -24,32 +24,33 @@ pub(crate) fn rows<const N: usize>(
     // Whatever is no text becomes a sign that no number holds; in columns that are not read it does no harm.
     let text = String::from_utf8_lossy(bytes);
     let text = text.trim_start_matches('\u{feff}');
+    if !text.is_empty() && !text.ends_with(['\n', '\r']) {
+        let last = text.lines().count() as u64;
+        let found = "the end of a file that may have been cut short";
+        return Err(refusal(line(path, last), "a line end", found, NEXT));
+    }
     let mut reader = ReaderBuilder::new()
         .has_headers(false)
         .flexible(true)
         .trim(Trim::All)
         .from_reader(text.as_bytes());
     let mut head: Option<([usize; N], usize)> = None;
-    let (mut record, mut last) = (StringRecord::new(), 1);
+    let mut record = StringRecord::new();
     while reader
         .read_record(&mut record)
         .map_err(|why| refusal(path.display(), "rows of cells", why, NEXT))?
     {
-        last = record.position().map_or(last, csv::Position::line);
+        let at = record.position().map_or(0, csv::Position::line);
         if record.iter().all(str::is_empty) {
             continue;
         }
         match &head {
-            None => head = Some((named(path, last, &record, columns)?, record.len())),
-            Some((at, width)) => take(last, cells(path, last, &record, at, *width)?)?,
+            None => head = Some((named(path, at, &record, columns)?, record.len())),
+            Some((places, width)) => take(at, cells(path, at, &record, places, *width)?)?,
         }
     }
     if head.is_none() {
         return Err(refusal(line(path, 1), columns.join(","), "no header", NEXT));
-    }
-    if !text.ends_with(['\n', '\r']) {
-        let found = "the end of a file that may have been cut short";
-        return Err(refusal(line(path, last), "a line end", found, NEXT));
     }
     Ok(())
 }

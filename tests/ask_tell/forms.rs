@@ -41,7 +41,11 @@ fn maxima_are_read_by_column_name_in_every_harmless_form() {
         assert_eq!(told(text.as_bytes()), plain, "{text:?}");
     }
     // A column that is not read may be in any encoding.
-    let latin = [&b"sample,r,gr\xf6\xdfe\n"[..], format!("{a},0.001,1\n{b},1.5,2\n{c},1,\n").as_bytes()].concat();
+    let latin = [
+        &b"sample,r,gr\xf6\xdfe\n"[..],
+        format!("{a},0.001,1\n{b},1.5,2\n{c},1,\n").as_bytes(),
+    ]
+    .concat();
     assert_eq!(told(&latin), plain);
 }
 
@@ -77,8 +81,14 @@ fn maxima_that_are_malformed_or_contradict_are_refused_whole() {
             "sample,r,R\n".to_owned(),
             "line 1: expected one column r, found two".to_owned(),
         ),
-        (format!("sample,r\n{c},0.5\n4\n"), "line 3: expected 2 cells, found 1".to_owned()),
-        (format!("sample,r\n{c},0,5\n"), "line 2: expected 2 cells, found 3".to_owned()),
+        (
+            format!("sample,r\n{c},0.5\n4\n"),
+            "line 3: expected 2 cells, found 1".to_owned(),
+        ),
+        (
+            format!("sample,r\n{c},0,5\n"),
+            "line 2: expected 2 cells, found 3".to_owned(),
+        ),
         (
             format!("sample,r\n{c},0.5\n{c},0.61"),
             "line 3: expected a line end, found the end of a file that may have been cut short".to_owned(),
@@ -91,19 +101,48 @@ fn maxima_that_are_malformed_or_contradict_are_refused_whole() {
             format!("sample,r\n{c},0.5\n{c},failed\n"),
             format!("line 3: expected sample {c} = 0.5 as told, found failed"),
         ),
-        (format!("sample,r\n{a},9\n"), format!("line 2: expected sample {a} = 0.")),
-        (format!("sample,r\n{b},failed\n"), format!("line 2: expected sample {b} = 0.")),
+        (
+            format!("sample,r\n{a},9\n"),
+            format!("line 2: expected sample {a} = 0."),
+        ),
+        (
+            format!("sample,r\n{b},failed\n"),
+            format!("line 2: expected sample {b} = 0."),
+        ),
         (
             format!("sample,r\n{c},1e9\n"),
             "line 2, r: expected a maximum in the unit of theta_t = 0.75".to_owned(),
         ),
     ];
-    for cell in ["large", "NaN", "nan", "inf", "-Inf", "1e999", "", "0.5 m", "0x1p3", "1.0D+00", "\u{1b}[2J"] {
+    for cell in [
+        "large",
+        "NaN",
+        "nan",
+        "inf",
+        "-Inf",
+        "1e999",
+        "",
+        "0.5 m",
+        "0x1p3",
+        "1.0D+00",
+        "\u{1b}[2J",
+    ] {
         let shown = cell.replace('\u{1b}', "\\u{1b}");
-        cases.push((format!("sample,r\n{c},0.5\n{c},{cell}\n"), format!("line 3, r: {number} `{shown}`")));
+        cases.push((
+            format!("sample,r\n{c},0.5\n{c},{cell}\n"),
+            format!("line 3, r: {number} `{shown}`"),
+        ));
     }
     let unknown = "line 2: expected a sample that this sequence has asked for, as in its batch.csv, found";
-    for sample in ["0", "2.5", "-1", "1e300", &format!("{c}.5"), &format!("{}", c + 1), &format!("{:e}", c / 10 * 10)] {
+    for sample in [
+        "0",
+        "2.5",
+        "-1",
+        "1e300",
+        &format!("{c}.5"),
+        &format!("{}", c + 1),
+        &format!("{:e}", c / 10 * 10),
+    ] {
         cases.push((format!("sample,r\n{sample},0.5\n"), format!("{unknown} {sample};")));
     }
     for (text, says) in cases {
@@ -113,16 +152,22 @@ fn maxima_that_are_malformed_or_contradict_are_refused_whole() {
         assert!(why.contains("nothing") && !why.contains('\u{1b}'), "{why}");
     }
     for (bytes, says) in [
-        (&[0xff, 0xfe, b's', 0][..], "wrong.csv: expected a text file in UTF-8, found UTF-16"),
+        (
+            &[0xff, 0xfe, b's', 0][..],
+            "wrong.csv: expected a text file in UTF-8, found UTF-16",
+        ),
         (&[0xc3, 0x28, b'\n'], "wrong.csv, line 1: expected the columns sample,r"),
-        (&[0; 64], "wrong.csv, line 1: expected the columns sample,r"),
+        (&[0, 0, 0, b'\n'], "wrong.csv, line 1: expected the columns sample,r"),
     ] {
         fs::write(stranger.path("wrong.csv"), bytes).expect("a file can be written");
         let why = stranger.refused(&["tell", "DIR", "DIR/wrong.csv"]);
         assert!(why.contains(says), "{why}");
     }
     let why = stranger.refused(&["tell", "DIR", "DIR/absent.csv"]);
-    assert!(why.contains("absent.csv: expected a regular file") && why.contains("check the path"), "{why}");
+    assert!(
+        why.contains("absent.csv: expected a regular file") && why.contains("check the path"),
+        "{why}"
+    );
 }
 
 #[test]
@@ -136,19 +181,29 @@ fn answers_of_another_sequence_are_refused_though_all_its_settings_are_the_same(
     assert_eq!(samples(&one), samples(&two), "the same groups are asked for");
     two.file("foreign.csv", &one.text("maxima.csv"));
     let why = two.refused(&["tell", "DIR", "DIR/foreign.csv"]);
-    assert!(why.contains("expected a sample that this sequence has asked for"), "{why}");
+    assert!(
+        why.contains("expected a sample that this sequence has asked for"),
+        "{why}"
+    );
     // A sequence begun anew in the same folder does not take the answers of the one before.
     fs::remove_file(one.path("state.toml")).expect("a state can be removed");
     one.said(&super::begin("36"));
     let why = one.refused(&["tell", "DIR", "DIR/maxima.csv"]);
-    assert!(why.contains("expected a sample that this sequence has asked for"), "{why}");
+    assert!(
+        why.contains("expected a sample that this sequence has asked for"),
+        "{why}"
+    );
     two.said(&["tell", "DIR", "DIR/maxima.csv"]);
 }
 
 #[test]
 fn a_number_rounded_to_five_digits_names_no_sample() {
     let (stranger, _) = asked();
-    let long: Vec<usize> = stranger.batch().into_keys().filter(|sample| *sample >= 100_000).collect();
+    let long: Vec<usize> = stranger
+        .batch()
+        .into_keys()
+        .filter(|sample| *sample >= 100_000)
+        .collect();
     assert_eq!(long.len(), 20, "samples from the eleventh on have six digits");
     for sample in long {
         for rounded in [sample / 10 * 10, sample / 10 * 10 + 10, sample / 100 * 100] {

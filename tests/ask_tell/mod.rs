@@ -2,6 +2,7 @@
 //! may go wrong on the way.
 
 mod failures;
+#[cfg(unix)]
 mod folder;
 mod forms;
 mod hostile;
@@ -155,7 +156,7 @@ impl Stranger {
     }
 
     /// The same with another way to write maxima.csv.
-    fn to_the_end_with(&self, simulate: impl Fn()) -> String {
+    fn to_the_end_with(&self, mut simulate: impl FnMut()) -> String {
         for _ in 0..20 {
             self.said(&["ask", "DIR"]);
             simulate();

@@ -15,7 +15,10 @@ fn refused(stranger: &Stranger, option: &str, value: &str) -> String {
     }
     let start = Instant::now();
     let why = stranger.refused(&call);
-    assert!(start.elapsed() < Duration::from_secs(30), "{option} {value} takes too long");
+    assert!(
+        start.elapsed() < Duration::from_secs(30),
+        "{option} {value} takes too long"
+    );
     assert!(!stranger.path("other").exists(), "nothing is written");
     why
 }
@@ -34,12 +37,24 @@ fn numbers_beyond_what_a_sequence_can_be_are_refused_with_the_reason() {
         ("--theta-t", "1e-300", "--theta-t: expected a threshold, from"),
         ("--cap", "1e300", "and at most 1000000.0 times it"),
         ("--cap", "inf", "and at most 1000000.0 times it"),
-        ("--total", "301", "--total: expected 30 to 300 samples: the design begins with 30, and each call fits"),
+        (
+            "--total",
+            "301",
+            "--total: expected 30 to 300 samples: the design begins with 30, and each call fits",
+        ),
         ("--total", "1000000000", "--total: expected 30 to 300 samples"),
         ("--total", "4294967295", "--total: expected 30 to 300 samples"),
-        ("--seed", "18446744073709551615", "--seed: expected at most 9223372036854775807"),
+        (
+            "--seed",
+            "18446744073709551615",
+            "--seed: expected at most 9223372036854775807",
+        ),
         // All groups are far too long or too high for such scales: most likely a unit is wrong.
-        ("--t-p", "0.02", "groups.csv, line 2: expected l from 0.0002 to 20, 0.01 to 1000 T_p"),
+        (
+            "--t-p",
+            "0.01",
+            "groups.csv, line 2: expected l from 0.0001 to 10, 0.01 to 1000 T_p",
+        ),
         ("--t-p", "0.1", "expected a wave train of at most 1024 T_p"),
         ("--h-s", "0.001", "groups.csv, line 2: expected a from"),
     ] {
@@ -57,7 +72,10 @@ fn groups_beyond_what_a_sea_can_hold_are_refused_at_their_line() {
         ("0,50,20,1e308", "line 2: expected a from"),
         ("0,50,20,1e-300", "line 2: expected a from"),
         ("0,1e300,20,5", "line 2: expected t_c within 1e10 T_p of 0"),
-        ("0,50,20,5\n0,16000,20,5", "line 3: expected a wave train of at most 1024 T_p"),
+        (
+            "0,50,20,5\n0,16000,20,5",
+            "line 3: expected a wave train of at most 1024 T_p",
+        ),
         ("0,50,14000,5", "line 2: expected a wave train of at most 1024 T_p"),
     ] {
         stranger.file("wrong.csv", &format!("field,t_c,l,a\n{row}\n"));
@@ -86,7 +104,10 @@ fn files_without_end_or_of_huge_size_are_refused_unread() {
     assert!(why.contains("huge.csv: expected at most 268435456 bytes"), "{why}");
     for endless in ["/dev/zero", "/dev/urandom"] {
         let why = stranger.refused(&["tell", "DIR", endless]);
-        assert!(why.contains("expected a regular file, found a pipe, socket or device"), "{why}");
+        assert!(
+            why.contains("expected a regular file, found a pipe, socket or device"),
+            "{why}"
+        );
     }
 }
 
