@@ -1,0 +1,330 @@
+//! What a sequence is and what it has been told: `state.toml`, checked alike when it is begun and whenever it is read.
+//!
+//! ```text
+//! # blake3 HASH        of all that follows: it guards against accidents, not against malice
+//! sequence = ".."      names this sequence; sample numbers derive from it
+//! groups = ".."        blake3 of the groups, which lie in groups.csv
+//! settings = ".."      blake3 of the design's settings in this program
+//! seed, t_p, h_s, theta_t, cap (in theta_t), total
+//! [[told]]             sample, group, r; without r the run failed
+//! ```
+//! No value is a path and none is a size without a bound: a state may come from a stranger.
+
+use crate::folder::Folder;
+use crate::refusal::{Refusal, refusal};
+use crate::waves::{Group, LARGEST_FILE, Scales, parse, text};
+use encounter::design::sequential::Design;
+use encounter::design::settings::{LookAhead, Shared};
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::fmt::Display;
+
+/// The settings of the design: those of the paper's pipeline.
+const SETTINGS: &str = include_str!("../../stages/paper.toml");
+const STATE: &str = "state.toml";
+const BEFORE: &str = "state.before.toml";
+pub(crate) const GROUPS: &str = "groups.csv";
+/// Runs of one place of the design: where so many fail, the simulator does not work.
+pub(crate) const MOST_RUNS: usize = 20;
+/// Samples in all: each call fits the model to all of them again, in time that grows with the fourth power.
+const MOST_SAMPLES: u32 = 300;
+/// Bytes of a state: three times one with every run of every sample.
+const LARGEST_STATE: u64 = 1 << 20;
+/// Largest |r| and cap, in θ_t: beyond, the unit is another one.
+pub(crate) const LARGEST: f64 = 1e6;
+const OTHER_VERSION: &str = "go on with the version of this program that began the sequence";
+
+/// What a sequence is and what it has been told.
+#[derive(Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct State {
+    pub(crate) sequence: String,
+    groups: String,
+    settings: String,
+    pub(crate) seed: u64,
+    t_p: f64,
+    h_s: f64,
+    pub(crate) theta_t: f64,
+    /// Largest maximum that enters the model, in θ_t.
+    cap: f64,
+    pub(crate) total: u32,
+    #[serde(default)]
+    pub(crate) told: Vec<Told>,
+}
+
+/// What became of the run of one sample, which is a group.
+#[derive(Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Told {
+    pub(crate) sample: u64,
+    pub(crate) group: usize,
+    /// The maximum; none if the run failed.
+    pub(crate) r: Option<f64>,
+}
+
+/// What `new` is asked for.
+pub(crate) struct Wanted {
+    pub(crate) seed: u64,
+    pub(crate) t_p: f64,
+    pub(crate) h_s: f64,
+    pub(crate) theta_t: f64,
+    /// In the unit of θ_t.
+    pub(crate) cap: Option<f64>,
+    pub(crate) total: Option<u32>,
+}
+
+/// The tables of the settings that this design reads.
+#[derive(Serialize, Deserialize)]
+pub(crate) struct Settings {
+    pub(crate) vhgp_seq: Shared,
+    pub(crate) vhgp_best: LookAhead,
+}
+
+impl Settings {
+    fn of_the_paper() -> Self {
+        let mut settings: Self = toml::from_str(SETTINGS).expect("the settings are part of the program");
+        settings.vhgp_seq.case.clear();
+        settings
+    }
+
+    fn hash(&self) -> String {
+        hash(&toml::to_string(self).expect("settings are plain numbers and names"))
+    }
+}
+
+fn hash(text: &str) -> String {
+    blake3::hash(text.as_bytes()).to_string()
+}
+
+impl State {
+    /// A state without groups, which names no sequence yet.
+    pub(crate) fn new(wanted: &Wanted) -> Self {
+        let settings = Settings::of_the_paper();
+        let default = settings.vhgp_best.cap;
+        Self {
+            sequence: String::new(),
+            groups: String::new(),
+            settings: settings.hash(),
+            seed: wanted.seed,
+            t_p: wanted.t_p,
+            h_s: wanted.h_s,
+            theta_t: wanted.theta_t,
+            cap: wanted.cap.map_or(default, |cap| cap / wanted.theta_t),
+            total: wanted.total.unwrap_or(settings.vhgp_seq.total),
+            told: Vec::new(),
+        }
+    }
+
+    /// Names the sequence, so that no other takes its answers: not one with the same settings for another ship either.
+    pub(crate) fn name(&mut self, groups: &[Group]) {
+        self.groups = hash(&text(groups));
+        let body = toml::to_string(self).expect("a state is plain numbers and names");
+        let now = std::time::SystemTime::now();
+        self.sequence = hash(&format!("{body}{now:?}{}", std::process::id()))[..16].to_owned();
+    }
+
+    pub(crate) fn scales(&self) -> Scales {
+        Scales {
+            t_p: self.t_p,
+            h_s: self.h_s,
+        }
+    }
+
+    pub(crate) fn settings(&self) -> Settings {
+        let mut settings = Settings::of_the_paper();
+        settings.vhgp_seq.total = self.total;
+        settings.vhgp_best.cap = self.cap;
+        settings
+    }
+
+    pub(crate) fn design(&self) -> Design {
+        let settings = self.settings();
+        settings.vhgp_best.design(&settings.vhgp_seq, self.theta_t)
+    }
+
+    pub(crate) fn by_sample(&self) -> BTreeMap<u64, Told> {
+        self.told.iter().map(|told| (told.sample, *told)).collect()
+    }
+
+    /// Every number of a sequence in its range; `place` says where a key was given.
+    pub(crate) fn check<P: Display>(&self, place: impl Fn(&str) -> P) -> Result<(), Refusal> {
+        let next = "correct it and call again";
+        for (key, value, from, to, what) in [
+            ("t_p", self.t_p, 0.01, 1000.0, "a peak period in s, of a tank or a sea"),
+            (
+                "h_s",
+                self.h_s,
+                1e-4,
+                100.0,
+                "a significant wave height in m, of a tank or a sea",
+            ),
+            ("theta_t", self.theta_t, 1e-9, 1e9, "a threshold"),
+        ] {
+            if !(from..=to).contains(&value) {
+                let expected = format!("{what}, from {from:?} to {to:?}");
+                return Err(refusal(place(key), expected, value, next));
+            }
+        }
+        if !(self.cap > 1.0 && self.cap <= LARGEST) {
+            let expected = format!(
+                "a number above theta_t = {}, and at most {LARGEST:?} times it",
+                self.theta_t
+            );
+            return Err(refusal(place("cap"), expected, self.cap * self.theta_t, next));
+        }
+        let initial = Settings::of_the_paper().vhgp_best.initial;
+        if !(initial..=MOST_SAMPLES).contains(&self.total) {
+            let expected = format!(
+                "{initial} to {MOST_SAMPLES} samples: the design begins with {initial}, and each call fits all of them again"
+            );
+            return Err(refusal(place("total"), expected, self.total, next));
+        }
+        // A TOML file holds no larger whole number.
+        if self.seed > i64::MAX as u64 {
+            return Err(refusal(place("seed"), format!("at most {}", i64::MAX), self.seed, next));
+        }
+        Ok(())
+    }
+
+    /// What only a state that was read may have wrong.
+    fn check_read(&self, place: impl Fn(&str) -> String) -> Result<(), Refusal> {
+        let next = "begin a new sequence: this state was not written by this program";
+        let hex = |text: &str, length: usize| text.len() == length && text.bytes().all(|b| b.is_ascii_hexdigit());
+        for (key, text, length) in [("sequence", &self.sequence, 16), ("groups", &self.groups, 64)] {
+            if !hex(text, length) {
+                return Err(refusal(
+                    place(key),
+                    format!("{length} hexadecimal digits"),
+                    format!("`{text}`"),
+                    next,
+                ));
+            }
+        }
+        if self.settings != Settings::of_the_paper().hash() {
+            let expected = format!("the settings of this version, {}", Settings::of_the_paper().hash());
+            return Err(refusal(place("settings"), expected, &self.settings, OTHER_VERSION));
+        }
+        let most = self.total as usize * MOST_RUNS;
+        if self.told.len() > most {
+            return Err(refusal(
+                place("told"),
+                format!("at most {most} runs"),
+                self.told.len(),
+                next,
+            ));
+        }
+        let mut before = 0;
+        for told in &self.told {
+            if told.sample <= before {
+                let expected = format!("a sample after {before}");
+                return Err(refusal(
+                    place("told"),
+                    expected,
+                    format!("sample {}", told.sample),
+                    next,
+                ));
+            }
+            before = told.sample;
+            if let Some(r) = told.r.filter(|r| !self.is_possible(*r)) {
+                let place = place(&format!("told, sample {}", told.sample));
+                return Err(refusal(place, self.possible(), format!("r = {r}"), next));
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether a number may be a maximum.
+    pub(crate) fn is_possible(&self, r: f64) -> bool {
+        r.abs() <= LARGEST * self.theta_t
+    }
+
+    pub(crate) fn possible(&self) -> String {
+        let largest = LARGEST * self.theta_t;
+        format!(
+            "a maximum in the unit of theta_t = {}, within {largest} of 0",
+            self.theta_t
+        )
+    }
+
+    /// Enough groups for every sample, as many as were hashed.
+    pub(crate) fn check_groups(&self, place: impl Display, groups: &[Group]) -> Result<(), Refusal> {
+        if groups.len() > self.total as usize {
+            return Ok(());
+        }
+        let expected = format!("more than {} groups, since none is taken twice", self.total);
+        Err(refusal(place, expected, groups.len(), "give a longer record"))
+    }
+
+    /// Writes the state, after a copy of the one before.
+    pub(crate) fn save(&self, folder: &Folder) -> Result<(), Refusal> {
+        let body = toml::to_string(self).expect("a state is plain numbers and names");
+        if folder.holds(STATE)? {
+            let before = folder.read(STATE, LARGEST_STATE)?;
+            folder.write(BEFORE, &String::from_utf8_lossy(&before))?;
+        }
+        folder.write(STATE, &format!("# blake3 {}\n{body}", hash(&body)))
+    }
+
+    /// The state of a folder and its groups, if they are what was saved and what this program can go on with.
+    pub(crate) fn load(folder: &Folder) -> Result<(Self, Vec<Group>), Refusal> {
+        let path = folder.place(STATE);
+        if !folder.holds(STATE)? {
+            let next = match folder.holds(BEFORE)? {
+                true => "copy state.before.toml to its place and tell the last maxima again",
+                false => "begin one with `new`, or check the folder's name",
+            };
+            return Err(refusal(path.display(), "a sequence", "none", next));
+        }
+        let bytes = folder.read(STATE, LARGEST_STATE)?;
+        let text = String::from_utf8_lossy(&bytes);
+        let (head, body) = text.split_once('\n').unwrap_or_default();
+        if head.strip_prefix("# blake3 ") != Some(hash(body).as_str()) {
+            let next = match folder.holds(BEFORE)? {
+                true => "copy state.before.toml over it and tell the last maxima again",
+                false => "begin a new sequence in another folder",
+            };
+            return Err(refusal(
+                path.display(),
+                "what was saved",
+                "a damaged or edited file",
+                next,
+            ));
+        }
+        let state = toml::from_str::<Self>(body)
+            .map_err(|why| refusal(path.display(), "a state of this version", why.message(), OTHER_VERSION))?;
+        let place = |key: &str| format!("{}, {key}", path.display());
+        state.check(place)?;
+        state.check_read(place)?;
+        let groups = state.read_groups(folder)?;
+        Ok((state, groups))
+    }
+
+    /// The groups in the folder, if the sequence began with them.
+    fn read_groups(&self, folder: &Folder) -> Result<Vec<Group>, Refusal> {
+        let path = folder.place(GROUPS);
+        let groups = parse(&path, &folder.read(GROUPS, LARGEST_FILE)?, self.scales())?;
+        let found = hash(&text(&groups));
+        if found != self.groups {
+            let next = "restore the file that the sequence began with, or begin a new one";
+            return Err(refusal(
+                path.display(),
+                format!("groups of blake3 {}", self.groups),
+                found,
+                next,
+            ));
+        }
+        self.check_groups(path.display(), &groups)?;
+        Ok(groups)
+    }
+
+    /// Whether the folder has no sequence yet, nor the remains of one.
+    pub(crate) fn check_absent(folder: &Folder) -> Result<(), Refusal> {
+        for name in [STATE, BEFORE] {
+            if folder.holds(name)? {
+                let next = "go on with it, or choose another folder";
+                return Err(refusal(folder.place(name).display(), "no sequence yet", "one", next));
+            }
+        }
+        Ok(())
+    }
+}
