@@ -7,7 +7,6 @@ use serde::{Deserialize, Serialize};
 use crate::engine::arrow::{Each, One};
 use crate::engine::error::Result;
 use crate::engine::stage::{Here, Pieces, Stage};
-use crate::sea::spectrum::Sea;
 use crate::sea::wave_field::Record;
 use crate::sea::wave_group::{Groups, Sample};
 use crate::ship::encounter::{Approach, GroupRun, max_roll_through_groups};
@@ -18,6 +17,7 @@ use crate::ship::sample::{SampledResponses, Selection};
 use crate::ship::simulation::Simulation;
 use crate::stages::group_detection::GroupDetection;
 use crate::stages::group_sample::GroupSample;
+use crate::stages::resolution::{Waves, of_roll};
 
 /// r(a, l): a number, since nothing about the encounter is random.
 pub struct Cic;
@@ -26,7 +26,7 @@ pub struct Cic;
 #[derive(Serialize, Deserialize)]
 pub struct Params {
     ship: Ship,
-    sea: Sea,
+    sea: Waves,
     record: Record,
     truth: Truth,
     estimate: Estimate,
@@ -40,6 +40,10 @@ impl Stage for Cic {
     type Params = Params;
     type Inputs = (Each<GroupDetection>, One<GroupSample>);
     type Output = SampledResponses;
+
+    fn resolution(p: &Params) -> std::result::Result<Vec<String>, String> {
+        of_roll(&p.ship, &p.truth, &p.sea.grid(&p.record))
+    }
 
     fn run(p: &Params, (groups, sample): (Arc<Groups>, Arc<Sample>), here: Here<'_>) -> Result<SampledResponses> {
         let selection = Selection::new(groups.parameters(), sample.of(here.first, here.items));

@@ -21,6 +21,7 @@ use crate::ship::sample::Selection;
 use crate::ship::simulation::Simulation;
 use crate::ship::temporal::{Counts, DetectionStudy, StudiedDetection};
 use crate::stages::axes::SEA;
+use crate::stages::resolution::{Waves, of_roll};
 use crate::stages::wave_synthesis::WaveSynthesis;
 
 /// Probability by groups and by time against the similarity threshold.
@@ -30,6 +31,7 @@ pub struct DetectionVaried;
 #[derive(Serialize, Deserialize)]
 pub struct Params {
     ship: Ship,
+    sea: Waves,
     record: Record,
     truth: Truth,
     detection: Detection,
@@ -65,6 +67,10 @@ impl Stage for DetectionVaried {
                 .check()
                 .map_err(|why| format!("detection_study.similarity_thresholds: {why}"))
         })
+    }
+
+    fn resolution(p: &Params) -> std::result::Result<Vec<String>, String> {
+        of_roll(&p.ship, &p.truth, &p.sea.grid(&p.record))
     }
 
     fn run(p: &Params, (record,): (PiecesOf<'_, WaveFields>,), _: Here<'_>) -> Result<DetectionStudy> {

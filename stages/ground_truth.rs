@@ -20,6 +20,7 @@ use crate::ship::roll_equation::Ship;
 use crate::ship::sample::Selection;
 use crate::ship::simulation::Simulation;
 use crate::stages::group_detection::GroupDetection;
+use crate::stages::resolution::{Waves, of_roll};
 use crate::stages::wave_synthesis::WaveSynthesis;
 
 /// (6) along the record.
@@ -29,6 +30,7 @@ pub struct GroundTruth;
 #[derive(Serialize, Deserialize)]
 pub struct Params {
     ship: Ship,
+    sea: Waves,
     record: Record,
     truth: Truth,
     detection: Longest,
@@ -75,6 +77,10 @@ impl Stage for GroundTruth {
         p.ship.check().map_err(|why| format!("ship.{why}"))?;
         p.truth.check().map_err(|why| format!("truth.{why}"))?;
         p.check_reach()
+    }
+
+    fn resolution(p: &Params) -> std::result::Result<Vec<String>, String> {
+        of_roll(&p.ship, &p.truth, &p.sea.grid(&p.record))
     }
 
     fn run(p: &Params, (waves, groups): (Arc<WaveFields>, Arc<Groups>), _: Here<'_>) -> Result<Truths> {

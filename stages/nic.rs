@@ -22,6 +22,7 @@ use crate::ship::sample::{SampledResponses, Selection};
 use crate::ship::simulation::Simulation;
 use crate::stages::group_detection::GroupDetection;
 use crate::stages::group_sample::GroupSample;
+use crate::stages::resolution::{Waves, of_roll};
 use crate::stages::wave_synthesis::WaveSynthesis;
 
 /// R(a, l) by nature.
@@ -31,6 +32,7 @@ pub struct Nic;
 #[derive(Serialize, Deserialize)]
 pub struct Params {
     ship: Ship,
+    sea: Waves,
     record: Record,
     truth: Truth,
     estimate: Estimate,
@@ -45,6 +47,10 @@ impl Stage for Nic {
     type Params = Params;
     type Inputs = (Each<WaveSynthesis>, Each<GroupDetection>, One<GroupSample>);
     type Output = SampledResponses;
+
+    fn resolution(p: &Params) -> std::result::Result<Vec<String>, String> {
+        of_roll(&p.ship, &p.truth, &p.sea.grid(&p.record))
+    }
 
     fn run(
         p: &Params,

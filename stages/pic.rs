@@ -9,7 +9,6 @@ use crate::engine::arrow::{Each, One};
 use crate::engine::error::Result;
 use crate::engine::stage::{Here, Pieces, Stage};
 use crate::numerics::random;
-use crate::sea::spectrum::Sea;
 use crate::sea::wave_field::Record;
 use crate::sea::wave_group::{Groups, Sample};
 use crate::ship::encounter::{Approach, GroupRun, max_roll_through_groups};
@@ -20,6 +19,7 @@ use crate::ship::sample::{SampledResponses, Selection};
 use crate::ship::simulation::Simulation;
 use crate::stages::group_detection::GroupDetection;
 use crate::stages::group_sample::GroupSample;
+use crate::stages::resolution::{Waves, of_roll};
 use crate::stages::roll_ensemble::RollEnsemble;
 
 /// R(a, l) by the ensemble.
@@ -29,7 +29,7 @@ pub struct Pic;
 #[derive(Serialize, Deserialize)]
 pub struct Params {
     ship: Ship,
-    sea: Sea,
+    sea: Waves,
     record: Record,
     truth: Truth,
     estimate: Estimate,
@@ -43,6 +43,10 @@ impl Stage for Pic {
     type Params = Params;
     type Inputs = (Each<GroupDetection>, One<GroupSample>, One<RollEnsemble>);
     type Output = SampledResponses;
+
+    fn resolution(p: &Params) -> std::result::Result<Vec<String>, String> {
+        of_roll(&p.ship, &p.truth, &p.sea.grid(&p.record))
+    }
 
     fn run(
         p: &Params,

@@ -10,11 +10,11 @@ use serde::{Deserialize, Serialize};
 use crate::engine::arrow::{All, One, PiecesOf};
 use crate::engine::error::Result;
 use crate::engine::stage::{Here, Select, Stage};
-use crate::sea::spectrum::Sea;
 use crate::sea::wave_field::Record;
 use crate::sea::wave_group::Groups;
 use crate::ship::encounter::{Approach, Encounter, GroupRun, max_roll_through_groups};
 use crate::ship::initial_condition::{Ensemble, Estimate};
+use crate::ship::resolution::Grid;
 use crate::ship::response::{Moments, Point, Truth, Truths};
 use crate::ship::roll_equation::Ship;
 use crate::ship::sample::SampledResponses;
@@ -23,6 +23,7 @@ use crate::stages::axes::SEA;
 use crate::stages::ground_truth::GroundTruth;
 use crate::stages::group_detection::GroupDetection;
 use crate::stages::nic::Nic;
+use crate::stages::resolution::{Waves, of_roll};
 use crate::stages::roll_ensemble::RollEnsemble;
 
 /// Mean and spread of R(a, l).
@@ -32,7 +33,7 @@ pub struct ResponseMoments;
 #[derive(Serialize, Deserialize)]
 pub struct Params {
     ship: Ship,
-    sea: Sea,
+    sea: Waves,
     record: Record,
     truth: Truth,
     estimate: Estimate,
@@ -72,6 +73,15 @@ impl Stage for ResponseMoments {
             ));
         }
         Ok(())
+    }
+
+    fn resolution(p: &Params) -> std::result::Result<Vec<String>, String> {
+        let highest = p.moments.groups.iter().map(|group| group[1]).fold(0.0, f64::max);
+        let grid = Grid {
+            highest_group: highest * p.sea.significant_wave_height,
+            ..p.sea.grid(&p.record)
+        };
+        of_roll(&p.ship, &p.truth, &grid)
     }
 
     fn run(

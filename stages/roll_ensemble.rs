@@ -15,6 +15,7 @@ use crate::ship::initial_condition::{Ensemble, Pic};
 use crate::ship::response::Truth;
 use crate::ship::roll_equation::Ship;
 use crate::ship::simulation::Simulation;
+use crate::stages::resolution::{Waves, of_roll, of_states};
 use crate::stages::wave_synthesis::WaveSynthesis;
 
 /// (theta, theta_dot) at every envelope time of the first fields.
@@ -24,6 +25,7 @@ pub struct RollEnsemble;
 #[derive(Serialize, Deserialize)]
 pub struct Params {
     ship: Ship,
+    sea: Waves,
     record: Record,
     truth: Truth,
     pic: Pic,
@@ -36,6 +38,11 @@ impl Stage for RollEnsemble {
     type Params = Params;
     type Inputs = (All<WaveSynthesis>,);
     type Output = Ensemble;
+
+    fn resolution(p: &Params) -> std::result::Result<Vec<String>, String> {
+        of_states(&p.record)?;
+        of_roll(&p.ship, &p.truth, &p.sea.grid(&p.record))
+    }
 
     fn run(p: &Params, (record,): (PiecesOf<'_, WaveFields>,), _: Here<'_>) -> Result<Ensemble> {
         let samples = p.record.samples();

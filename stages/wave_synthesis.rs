@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::engine::error::Result;
 use crate::engine::stage::{Here, Keep, Pieces, Stage};
+use crate::sea::resolution;
 use crate::sea::spectrum::Sea;
 use crate::sea::wave_field::{Record, WaveFields};
 
@@ -32,6 +33,10 @@ impl Stage for WaveSynthesis {
     fn check(p: &Params) -> std::result::Result<(), String> {
         p.sea.check().map_err(|why| format!("sea.{why}"))?;
         p.record.check().map_err(|why| format!("record.{why}"))
+    }
+
+    fn resolution(p: &Params) -> std::result::Result<Vec<String>, String> {
+        Ok(resolution::of_modes(&p.sea, &p.record))
     }
 
     fn run(p: &Params, (): (), here: Here<'_>) -> Result<WaveFields> {

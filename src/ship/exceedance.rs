@@ -8,7 +8,7 @@
 //! Groups of one field are not independent, fields are. Counts are whole numbers and add up exactly, piece by piece.
 //! Tested in `tests/physics/exceedance.rs` on data made by hand and against seeded sampling.
 
-use crate::numerics::domain;
+use crate::numerics::{domain, invariant};
 use crate::numerics::lanes::{Kernel, dispatch};
 use crate::ship::response::Response;
 use serde::{Deserialize, Serialize};
@@ -71,6 +71,21 @@ pub struct Curve {
     pub n: u64,
 }
 
+impl Curve {
+    /// Checks that it is a curve over these thresholds: all its points or, without groups, none.
+    ///
+    /// # Errors
+    /// Another threshold, another number of points, or a number that is no probability.
+    pub fn check(&self, theta_t: &[f64]) -> Result<(), String> {
+        invariant::equal("theta_t", &self.theta_t[..], theta_t)?;
+        let points = if self.n > 0 { theta_t.len() } else { 0 };
+        invariant::length("probability", &self.probability, points)?;
+        invariant::length("standard_error", &self.standard_error, points)?;
+        invariant::all_within("probability", &self.probability, &(0.0..=1.0))?;
+        invariant::all_within("standard_error", &self.standard_error, &(0.0..=1.0))
+    }
+}
+
 /// Exceedances counted field by field: all that Eq. (1) and (T1) need, exact, and mergeable in any order.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Exceedances {
@@ -96,6 +111,31 @@ impl Exceedances {
             c_c: vec![0; thresholds],
             c_n: vec![0; thresholds],
         }
+    }
+
+    /// Checks that these are counts over so many thresholds of fields with the given numbers of items.
+    ///
+    /// # Errors
+    /// The first count that cannot be one.
+    pub fn check(&self, thresholds: usize, items: impl IntoIterator<Item = u64>) -> Result<(), String> {
+        let (mut n, mut n_n, mut largest) = (0, 0, 0);
+        for n_f in items {
+            n += n_f;
+            n_n += n_f * n_f;
+            largest = n_f.max(largest);
+        }
+        invariant::equal("n", &self.n, &n)?;
+        invariant::equal("n_n", &self.n_n, &n_n)?;
+        for (place, list) in [("c", &self.c), ("c_c", &self.c_c), ("c_n", &self.c_n)] {
+            invariant::length(place, list, thresholds)?;
+        }
+        for k in 0..thresholds {
+            // c_f <= n_f <= the largest, field by field.
+            let (c, c_c, c_n) = (self.c[k], self.c_c[k], self.c_n[k]);
+            let counted = c <= n && c_c <= c_n && c <= c_c && c_n <= c * largest;
+            invariant::holds(&format!("c[{k}], c_c[{k}], c_n[{k}]"), counted, "sums over fields of one count")?;
+        }
+        Ok(())
     }
 
     /// Counts the responses of one field.
