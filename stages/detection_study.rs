@@ -3,6 +3,8 @@
 //! The first fields of one sea are detected and rolled once for each threshold; the share of time above a level is that of
 //! the roll alone, and beside it stands the part that the groups' segments hold.
 
+use std::ops::Range;
+
 use serde::{Deserialize, Serialize};
 
 use crate::engine::arrow::{All, PiecesOf};
@@ -71,6 +73,11 @@ impl Stage for DetectionVaried {
 
     fn resolution(p: &Params) -> std::result::Result<Vec<String>, String> {
         of_roll(&p.ship, &p.truth, &p.sea.grid(&p.record))
+    }
+
+    fn check_output(p: &Params, _: Range<u64>, output: &DetectionStudy) -> std::result::Result<(), String> {
+        let (levels, epsilons) = (p.truth.temporal_levels.values(), p.ship.epsilon_1.len());
+        output.check(&p.detection_study.similarity_thresholds, epsilons, &levels)
     }
 
     fn run(p: &Params, (record,): (PiecesOf<'_, WaveFields>,), _: Here<'_>) -> Result<DetectionStudy> {

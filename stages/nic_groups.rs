@@ -1,12 +1,13 @@
 //! §3.3 NIC on reconstructed groups: the same start as NIC, but the waves on the way are the Gaussian groups themselves on a
 //! common carrier, as Eq. (5) says. Figure 3 shows it dashed.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
 use crate::engine::arrow::{Each, One};
-use crate::engine::error::Result;
+use crate::engine::error::{Error, Result};
 use crate::engine::stage::{Here, Pieces, Stage};
 use crate::sea::wave_field::Record;
 use crate::sea::wave_group::{Groups, Sample};
@@ -55,8 +56,13 @@ impl Stage for NicGroups {
         of_roll(&p.ship, &p.truth, &p.sea.grid(&p.record))
     }
 
+    fn check_output(p: &Params, items: Range<u64>, output: &SampledResponses) -> std::result::Result<(), String> {
+        output.check(&p.ship.epsilon_1, (items.end - items.start) as usize, p.truth.capsize_angle)
+    }
+
     fn run(p: &Params, (groups, sample): (Arc<Groups>, Arc<Sample>), here: Here<'_>) -> Result<SampledResponses> {
-        let selection = Selection::new(groups.parameters(), sample.of(here.first, here.items));
+        let places = sample.of(here.first, &groups).map_err(Error::stage)?;
+        let selection = Selection::new(groups.parameters(), places);
         let t_p = p.sea.peak_period;
         let approach = Approach::new(p.record.step_and_period(t_p), &p.truth, &p.estimate, p.nic.groups_ahead);
         let through = |(field, place): (usize, usize)| approach.through_groups(&selection.groups[field], place);

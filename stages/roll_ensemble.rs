@@ -2,6 +2,8 @@
 //!
 //! States inside wave groups are in it: the paper's own explanation of why PIC overestimates.
 
+use std::ops::Range;
+
 use serde::{Deserialize, Serialize};
 
 use crate::engine::arrow::{All, PiecesOf};
@@ -42,6 +44,10 @@ impl Stage for RollEnsemble {
     fn resolution(p: &Params) -> std::result::Result<Vec<String>, String> {
         of_states(&p.record)?;
         of_roll(&p.ship, &p.truth, &p.sea.grid(&p.record))
+    }
+
+    fn check_output(p: &Params, _: Range<u64>, output: &Ensemble) -> std::result::Result<(), String> {
+        output.check(&p.ship.epsilon_1, p.truth.capsize_angle)
     }
 
     fn run(p: &Params, (record,): (PiecesOf<'_, WaveFields>,), _: Here<'_>) -> Result<Ensemble> {

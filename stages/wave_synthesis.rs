@@ -2,6 +2,8 @@
 //!
 //! Gaussian seas (W1) and JONSWAP (W2) share the phases of a field: rows of Table 1 are correlated.
 
+use std::ops::Range;
+
 use serde::{Deserialize, Serialize};
 
 use crate::engine::error::Result;
@@ -37,6 +39,10 @@ impl Stage for WaveSynthesis {
 
     fn resolution(p: &Params) -> std::result::Result<Vec<String>, String> {
         Ok(resolution::of_modes(&p.sea, &p.record))
+    }
+
+    fn check_output(p: &Params, items: Range<u64>, output: &WaveFields) -> std::result::Result<(), String> {
+        output.check(&p.sea, &p.record, (items.end - items.start) as usize)
     }
 
     fn run(p: &Params, (): (), here: Here<'_>) -> Result<WaveFields> {

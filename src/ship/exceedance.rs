@@ -13,6 +13,8 @@ use crate::numerics::lanes::{Kernel, dispatch};
 use crate::ship::response::Response;
 use serde::{Deserialize, Serialize};
 
+/// The methods of Figure 3, in its order.
+pub const METHODS: [&str; 5] = ["truth", "cic", "pic", "nic", "nic_groups"];
 /// The most thresholds a curve may have.
 const MOST: f64 = 10_000.0;
 
@@ -267,6 +269,34 @@ impl Counts {
 }
 
 impl Probabilities {
+    /// Checks that every method and the share of time have a curve for each epsilon_1, over the thresholds of Figure 3, of
+    /// Table 1 and of the levels.
+    ///
+    /// # Errors
+    /// The first curve that is missing, or none of probabilities.
+    pub fn check(&self, figure: &[f64], table: &[f64], levels: &[f64]) -> Result<(), String> {
+        let epsilons = self.counts.len();
+        invariant::holds("counts", epsilons > 0, "at least one epsilon_1")?;
+        for (place, curves, theta_t) in [("curves", &self.curves, figure), ("table", &self.table, table)] {
+            invariant::length(place, curves, METHODS.len() * epsilons)?;
+            for (i, curve) in curves.iter().enumerate() {
+                let own = |why: String| format!("{place}[{i}].{why}");
+                invariant::equal("method", curve.method.as_str(), METHODS[i / epsilons]).map_err(own)?;
+                invariant::equal("epsilon_1", &curve.epsilon_1, &self.counts[i % epsilons].epsilon_1).map_err(own)?;
+                curve.check(theta_t).map_err(own)?;
+            }
+        }
+        invariant::length("temporal", &self.temporal, epsilons)?;
+        for (e, (curve, counts)) in self.temporal.iter().zip(&self.counts).enumerate() {
+            curve.check(levels).map_err(|why| format!("temporal[{e}].{why}"))?;
+            let place = |key: &str| format!("counts[{e}].{key}");
+            invariant::within(&place("time_above"), counts.time_above, 0.0..=1.0)?;
+            let capsized = counts.capsized_groups <= counts.groups;
+            invariant::holds(&place("capsized_groups"), capsized, "at most all groups")?;
+        }
+        Ok(())
+    }
+
     /// (epsilon_1, probability, standard error) of a method at Table 1's threshold, for one value of the ship's list.
     pub fn at_table(&self, method: &str, epsilon_1_index: usize) -> Option<(f64, f64, f64)> {
         let epsilon_1 = self.counts.get(epsilon_1_index)?.epsilon_1;
