@@ -8,6 +8,7 @@ use crate::engine::stage::{Here, Keep, Pieces, Stage};
 use crate::numerics::domain;
 use crate::sea::detection::{self, Detection};
 use crate::sea::envelope::Envelopes;
+use crate::sea::resolution;
 use crate::sea::spectrum::Sea;
 use crate::sea::wave_field::{Record, WaveFields};
 
@@ -45,6 +46,13 @@ impl Stage for CalibrationFields {
         p.sea.check().map_err(|why| format!("sea.{why}"))?;
         p.record.check().map_err(|why| format!("record.{why}"))?;
         p.detection.check().map_err(|why| format!("detection.{why}"))
+    }
+
+    fn resolution(p: &Params) -> std::result::Result<Vec<String>, String> {
+        let spacing = p.sea.peak_period / f64::from(p.record.envelope_samples_per_period);
+        let of_groups = resolution::of_detection(p.sea.bandwidth, spacing, &p.detection);
+        let of_modes = resolution::of_modes(&p.sea, &p.record);
+        Ok(of_modes.into_iter().chain(of_groups).collect())
     }
 
     fn run(p: &Params, (): (), here: Here<'_>) -> Result<Fields> {

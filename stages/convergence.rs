@@ -1,5 +1,6 @@
 //! §4 The estimates of every method over the number of samples: what Figure 5 and Table 1 show.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
@@ -41,6 +42,10 @@ impl Stage for Convergence {
         One<SamplingFloor>,
     );
     type Output = Methods;
+
+    fn check_output(_: &Params, _: Range<u64>, output: &Methods) -> std::result::Result<(), String> {
+        output.check()
+    }
 
     fn run(
         _: &Params,

@@ -3,6 +3,8 @@
 //! The first fields of one sea are detected and rolled once for each threshold; the share of time above a level is that of
 //! the roll alone, and beside it stands the part that the groups' segments hold.
 
+use std::ops::Range;
+
 use serde::{Deserialize, Serialize};
 
 use crate::engine::arrow::{All, PiecesOf};
@@ -21,6 +23,7 @@ use crate::ship::sample::Selection;
 use crate::ship::simulation::Simulation;
 use crate::ship::temporal::{Counts, DetectionStudy, StudiedDetection};
 use crate::stages::axes::SEA;
+use crate::stages::resolution::{Waves, of_roll};
 use crate::stages::wave_synthesis::WaveSynthesis;
 
 /// Probability by groups and by time against the similarity threshold.
@@ -30,6 +33,7 @@ pub struct DetectionVaried;
 #[derive(Serialize, Deserialize)]
 pub struct Params {
     ship: Ship,
+    sea: Waves,
     record: Record,
     truth: Truth,
     detection: Detection,
@@ -65,6 +69,15 @@ impl Stage for DetectionVaried {
                 .check()
                 .map_err(|why| format!("detection_study.similarity_thresholds: {why}"))
         })
+    }
+
+    fn resolution(p: &Params) -> std::result::Result<Vec<String>, String> {
+        of_roll(&p.ship, &p.truth, &p.sea.grid(&p.record))
+    }
+
+    fn check_output(p: &Params, _: Range<u64>, output: &DetectionStudy) -> std::result::Result<(), String> {
+        let (levels, epsilons) = (p.truth.temporal_levels.values(), p.ship.epsilon_1.len());
+        output.check(&p.detection_study.similarity_thresholds, epsilons, &levels)
     }
 
     fn run(p: &Params, (record,): (PiecesOf<'_, WaveFields>,), _: Here<'_>) -> Result<DetectionStudy> {

@@ -1,5 +1,6 @@
 //! §2 Envelope: rho = |eta + i H(eta)| of every field, on the envelope grid.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
@@ -9,6 +10,7 @@ use crate::engine::error::Result;
 use crate::engine::stage::{Here, Keep, Pieces, Stage};
 use crate::sea::envelope::Envelopes;
 use crate::sea::wave_field::{Record, WaveFields};
+use crate::stages::resolution::Waves;
 use crate::stages::wave_synthesis::WaveSynthesis;
 
 /// (E1).
@@ -17,6 +19,7 @@ pub struct Envelope;
 /// Parameters of the envelope.
 #[derive(Serialize, Deserialize)]
 pub struct Params {
+    sea: Waves,
     record: Record,
 }
 
@@ -29,6 +32,15 @@ impl Stage for Envelope {
     type Params = Params;
     type Inputs = (Each<WaveSynthesis>,);
     type Output = Envelopes;
+
+    fn check_output(p: &Params, items: Range<u64>, output: &Envelopes) -> std::result::Result<(), String> {
+        let Waves {
+            peak_period,
+            significant_wave_height,
+        } = p.sea;
+        let fields = (items.end - items.start) as usize;
+        output.check(peak_period, significant_wave_height, &p.record, fields)
+    }
 
     fn run(p: &Params, (fields,): (Arc<WaveFields>,), _: Here<'_>) -> Result<Envelopes> {
         Ok(Envelopes::of(&fields, &p.record))

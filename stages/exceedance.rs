@@ -1,12 +1,14 @@
 //! §3 From responses to probabilities: Eq. (1) for the truth, (3) and (4) for the three methods, with standard errors (T1).
 
+use std::ops::Range;
+
 use serde::{Deserialize, Serialize};
 
 use crate::engine::arrow::{All, PiecesOf};
 use crate::engine::error::Result;
 use crate::engine::stage::{Here, Stage};
 use crate::numerics::sums::mean;
-use crate::ship::exceedance::{Counts, Curve, Exceedances, Probabilities, Thresholds};
+use crate::ship::exceedance::{METHODS, Counts, Curve, Exceedances, Probabilities, Thresholds};
 use crate::ship::response::{Truths, temporal_levels};
 use crate::ship::sample::SampledResponses;
 use crate::stages::cic::Cic;
@@ -86,6 +88,13 @@ impl Stage for Exceedance {
             .try_for_each(|row| below("vhgp_seq.case", row.theta_t))
     }
 
+    fn check_output(p: &Params, _: Range<u64>, output: &Probabilities) -> std::result::Result<(), String> {
+        let (figure, temporal) = (p.truth.thresholds.values(), p.truth.temporal_levels.values());
+        let row = p.vhgp_seq.case.iter().find(|row| row.sea == p.case.sea);
+        let table: Vec<f64> = row.map(|row| row.theta_t).into_iter().collect();
+        output.check(&figure, &table, &temporal)
+    }
+
     fn run(
         p: &Params,
         (truth, cic, pic, nic, nic_groups): (
@@ -103,15 +112,15 @@ impl Stage for Exceedance {
             table: row.map(|row| row.theta_t).into_iter().collect(),
         };
         let (counts, of_truth) = count_truth(&levels, &truth, p.truth.capsize_angle)?;
-        let methods = [
-            ("truth", of_truth),
-            ("cic", count_sampled(&levels, &cic)?),
-            ("pic", count_sampled(&levels, &pic)?),
-            ("nic", count_sampled(&levels, &nic)?),
-            ("nic_groups", count_sampled(&levels, &nic_groups)?),
+        let counted = [
+            of_truth,
+            count_sampled(&levels, &cic)?,
+            count_sampled(&levels, &pic)?,
+            count_sampled(&levels, &nic)?,
+            count_sampled(&levels, &nic_groups)?,
         ];
         let (mut curves, mut table) = (Vec::new(), Vec::new());
-        for (method, counted) in &methods {
+        for (method, counted) in METHODS.iter().zip(&counted) {
             for (known, counted) in counts.iter().zip(counted) {
                 curves.push(counted.figure.curve(method, known.epsilon_1, &levels.figure));
                 table.push(counted.table.curve(method, known.epsilon_1, &levels.table));

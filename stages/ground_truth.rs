@@ -2,6 +2,7 @@
 //!
 //! All epsilon_1 of the ship roll on the same elevation while it is in cache; the series themselves are never kept.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
@@ -20,6 +21,7 @@ use crate::ship::roll_equation::Ship;
 use crate::ship::sample::Selection;
 use crate::ship::simulation::Simulation;
 use crate::stages::group_detection::GroupDetection;
+use crate::stages::resolution::{Waves, of_roll};
 use crate::stages::wave_synthesis::WaveSynthesis;
 
 /// (6) along the record.
@@ -29,6 +31,7 @@ pub struct GroundTruth;
 #[derive(Serialize, Deserialize)]
 pub struct Params {
     ship: Ship,
+    sea: Waves,
     record: Record,
     truth: Truth,
     detection: Longest,
@@ -75,6 +78,17 @@ impl Stage for GroundTruth {
         p.ship.check().map_err(|why| format!("ship.{why}"))?;
         p.truth.check().map_err(|why| format!("truth.{why}"))?;
         p.check_reach()
+    }
+
+    fn resolution(p: &Params) -> std::result::Result<Vec<String>, String> {
+        of_roll(&p.ship, &p.truth, &p.sea.grid(&p.record))
+    }
+
+    fn check_output(p: &Params, items: Range<u64>, output: &Truths) -> std::result::Result<(), String> {
+        // A block of sixteen steps leaves one angle.
+        let steps = u64::from(p.record.samples_per_period / 2) * u64::from(p.record.periods_per_field);
+        let fields = (items.end - items.start) as usize;
+        output.check(&p.ship.epsilon_1, fields, &p.truth, steps.div_ceil(16))
     }
 
     fn run(p: &Params, (waves, groups): (Arc<WaveFields>, Arc<Groups>), _: Here<'_>) -> Result<Truths> {

@@ -2,6 +2,8 @@
 //!
 //! One sample per sea, shared by ships, methods and epsilon_1, so that their curves differ by method alone.
 
+use std::ops::Range;
+
 use serde::{Deserialize, Serialize};
 
 use crate::engine::arrow::{All, PiecesOf};
@@ -35,6 +37,10 @@ impl Stage for GroupSample {
     type Params = Params;
     type Inputs = (All<GroupDetection>,);
     type Output = Sample;
+
+    fn check_output(p: &Params, _: Range<u64>, output: &Sample) -> std::result::Result<(), String> {
+        output.check(p.estimate.samples)
+    }
 
     fn run(p: &Params, (groups,): (PiecesOf<'_, Groups>,), here: Here<'_>) -> Result<Sample> {
         let mut counts = Vec::new();

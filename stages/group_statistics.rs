@@ -2,12 +2,15 @@
 //!
 //! The density is for pictures and for the acquisition of VHGP-Seq; probabilities are averages over the groups themselves.
 
+use std::ops::Range;
+
 use serde::{Deserialize, Serialize};
 
 use crate::engine::arrow::{All, PiecesOf};
 use crate::engine::error::Result;
 use crate::engine::stage::{Here, Stage};
 use crate::numerics::density::{Grid, kernel_density};
+use crate::numerics::invariant;
 use crate::numerics::sums::{mean, standard_deviation};
 use crate::sea::spectrum::Sea;
 use crate::sea::statistics::Statistics;
@@ -43,6 +46,12 @@ pub struct DensityTable {
     points: u32,
 }
 
+impl DensityTable {
+    fn grid(&self) -> Grid {
+        Grid::spanning(self.l_over_tp, self.points, self.a_over_hs, self.points)
+    }
+}
+
 impl Stage for GroupStatistics {
     const NAME: &'static str = "group_statistics";
     const PAPER: &'static str = "§2";
@@ -73,6 +82,12 @@ impl Stage for GroupStatistics {
         Ok(())
     }
 
+    fn check_output(p: &Params, _: Range<u64>, output: &Statistics) -> std::result::Result<(), String> {
+        invariant::equal("description", &output.description, &p.sea.description())?;
+        output.check()?;
+        output.density.check(&p.density.grid(), p.density.bandwidth)
+    }
+
     fn run(p: &Params, (groups,): (PiecesOf<'_, Groups>,), _: Here<'_>) -> Result<Statistics> {
         let (mut l, mut a, mut fields) = (Vec::new(), Vec::new(), 0);
         for piece in groups.iter() {
@@ -85,7 +100,7 @@ impl Stage for GroupStatistics {
         }
         let periods = fields as f64 * f64::from(p.record.periods_per_field);
         let density = &p.density;
-        let grid = Grid::spanning(density.l_over_tp, density.points, density.a_over_hs, density.points);
+        let grid = density.grid();
         let first = l.len().min(density.groups as usize);
         let high = a.iter().filter(|a| **a > 1.0).count();
         Ok(Statistics {

@@ -1,6 +1,7 @@
 //! §4 What linear oscillators like the ship do about each sampled group: known without running the ship.
 
 use std::f64::consts::TAU;
+use std::ops::Range;
 use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
@@ -71,11 +72,16 @@ impl Stage for LinearResponse {
         ))
     }
 
+    fn check_output(_: &Params, _: Range<u64>, output: &LinearResponses) -> std::result::Result<(), String> {
+        output.check()
+    }
+
     fn run(
         p: &Params,
         (waves, groups, sample): (Arc<WaveFields>, Arc<Groups>, Arc<Sample>),
         here: Here<'_>,
     ) -> Result<LinearResponses> {
+        let places = sample.of(here.first, &groups).map_err(Error::stage)?;
         let row = p.vhgp_seq.case.first();
         let row = row.ok_or_else(|| Error::stage("no row of vhgp_seq.case names this sea"))?;
         let balanced = |a: &f64| Oscillator::balanced(&p.ship, a * row.theta_t, TAU / waves.t_p);
@@ -85,7 +91,7 @@ impl Stage for LinearResponse {
         let mut synthesis = Synthesis::new(waves.amplitude.len(), samples);
         let mut block = vec![[0.0; WIDTH]; samples];
         let mut z = Vec::new();
-        let fields: Vec<_> = groups.fields.iter().zip(sample.of(here.first, here.items)).collect();
+        let fields: Vec<_> = groups.fields.iter().zip(places).collect();
         for (block_index, fields) in fields.chunks(WIDTH).enumerate() {
             let spectrum = waves.spectrum(block_index * WIDTH);
             let largest = |oscillator: &Oscillator| {

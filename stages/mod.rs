@@ -19,6 +19,7 @@ pub mod nic;
 pub mod nic_groups;
 pub mod pic;
 pub mod random_sampling;
+pub mod resolution;
 pub mod response_moments;
 pub mod response_pool;
 pub mod roll_ensemble;

@@ -3,12 +3,13 @@
 //!
 //! With `[nic] input = "record"` those waves are the original elevation (Decision 7).
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
 use crate::engine::arrow::{Each, One};
-use crate::engine::error::Result;
+use crate::engine::error::{Error, Result};
 use crate::engine::stage::{Here, Pieces, Stage};
 use crate::numerics::fourier::WIDTH;
 use crate::numerics::rows::Rows;
@@ -22,6 +23,7 @@ use crate::ship::sample::{SampledResponses, Selection};
 use crate::ship::simulation::Simulation;
 use crate::stages::group_detection::GroupDetection;
 use crate::stages::group_sample::GroupSample;
+use crate::stages::resolution::{Waves, of_roll};
 use crate::stages::wave_synthesis::WaveSynthesis;
 
 /// R(a, l) by nature.
@@ -31,6 +33,7 @@ pub struct Nic;
 #[derive(Serialize, Deserialize)]
 pub struct Params {
     ship: Ship,
+    sea: Waves,
     record: Record,
     truth: Truth,
     estimate: Estimate,
@@ -46,12 +49,21 @@ impl Stage for Nic {
     type Inputs = (Each<WaveSynthesis>, Each<GroupDetection>, One<GroupSample>);
     type Output = SampledResponses;
 
+    fn resolution(p: &Params) -> std::result::Result<Vec<String>, String> {
+        of_roll(&p.ship, &p.truth, &p.sea.grid(&p.record))
+    }
+
+    fn check_output(p: &Params, items: Range<u64>, output: &SampledResponses) -> std::result::Result<(), String> {
+        output.check(&p.ship.epsilon_1, (items.end - items.start) as usize, p.truth.capsize_angle)
+    }
+
     fn run(
         p: &Params,
         (waves, groups, sample): (Arc<WaveFields>, Arc<Groups>, Arc<Sample>),
         here: Here<'_>,
     ) -> Result<SampledResponses> {
-        let selection = Selection::new(groups.parameters(), sample.of(here.first, here.items));
+        let places = sample.of(here.first, &groups).map_err(Error::stage)?;
+        let selection = Selection::new(groups.parameters(), places);
         let t_p = waves.t_p;
         let approach = Approach::new(p.record.step_and_period(t_p), &p.truth, &p.estimate, p.nic.groups_ahead);
         let simulation = Simulation::new(&p.ship, &p.truth, approach.h);

@@ -1,14 +1,14 @@
 //! §3.3 NIC on reconstructed groups: the same start as NIC, but the waves on the way are the Gaussian groups themselves on a
 //! common carrier, as Eq. (5) says. Figure 3 shows it dashed.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
 use crate::engine::arrow::{Each, One};
-use crate::engine::error::Result;
+use crate::engine::error::{Error, Result};
 use crate::engine::stage::{Here, Pieces, Stage};
-use crate::sea::spectrum::Sea;
 use crate::sea::wave_field::Record;
 use crate::sea::wave_group::{Groups, Sample};
 use crate::ship::encounter::{Approach, GroupRun, max_roll_through_groups};
@@ -19,6 +19,7 @@ use crate::ship::sample::{SampledResponses, Selection};
 use crate::ship::simulation::Simulation;
 use crate::stages::group_detection::GroupDetection;
 use crate::stages::group_sample::GroupSample;
+use crate::stages::resolution::{Waves, of_roll};
 
 /// R(a, l) by the groups ahead.
 pub struct NicGroups;
@@ -27,7 +28,7 @@ pub struct NicGroups;
 #[derive(Serialize, Deserialize)]
 pub struct Params {
     ship: Ship,
-    sea: Sea,
+    sea: Waves,
     record: Record,
     truth: Truth,
     estimate: Estimate,
@@ -51,8 +52,17 @@ impl Stage for NicGroups {
     type Inputs = (Each<GroupDetection>, One<GroupSample>);
     type Output = SampledResponses;
 
+    fn resolution(p: &Params) -> std::result::Result<Vec<String>, String> {
+        of_roll(&p.ship, &p.truth, &p.sea.grid(&p.record))
+    }
+
+    fn check_output(p: &Params, items: Range<u64>, output: &SampledResponses) -> std::result::Result<(), String> {
+        output.check(&p.ship.epsilon_1, (items.end - items.start) as usize, p.truth.capsize_angle)
+    }
+
     fn run(p: &Params, (groups, sample): (Arc<Groups>, Arc<Sample>), here: Here<'_>) -> Result<SampledResponses> {
-        let selection = Selection::new(groups.parameters(), sample.of(here.first, here.items));
+        let places = sample.of(here.first, &groups).map_err(Error::stage)?;
+        let selection = Selection::new(groups.parameters(), places);
         let t_p = p.sea.peak_period;
         let approach = Approach::new(p.record.step_and_period(t_p), &p.truth, &p.estimate, p.nic.groups_ahead);
         let through = |(field, place): (usize, usize)| approach.through_groups(&selection.groups[field], place);

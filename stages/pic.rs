@@ -1,15 +1,15 @@
 //! §3.2 Pre-computed initial condition (PIC): each reconstructed group, Eq. (5), is met in a state drawn from the ensemble
 //! of continuous roll. Eq. (4).
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
 use crate::engine::arrow::{Each, One};
-use crate::engine::error::Result;
+use crate::engine::error::{Error, Result};
 use crate::engine::stage::{Here, Pieces, Stage};
 use crate::numerics::random;
-use crate::sea::spectrum::Sea;
 use crate::sea::wave_field::Record;
 use crate::sea::wave_group::{Groups, Sample};
 use crate::ship::encounter::{Approach, GroupRun, max_roll_through_groups};
@@ -20,6 +20,7 @@ use crate::ship::sample::{SampledResponses, Selection};
 use crate::ship::simulation::Simulation;
 use crate::stages::group_detection::GroupDetection;
 use crate::stages::group_sample::GroupSample;
+use crate::stages::resolution::{Waves, of_roll};
 use crate::stages::roll_ensemble::RollEnsemble;
 
 /// R(a, l) by the ensemble.
@@ -29,7 +30,7 @@ pub struct Pic;
 #[derive(Serialize, Deserialize)]
 pub struct Params {
     ship: Ship,
-    sea: Sea,
+    sea: Waves,
     record: Record,
     truth: Truth,
     estimate: Estimate,
@@ -44,12 +45,21 @@ impl Stage for Pic {
     type Inputs = (Each<GroupDetection>, One<GroupSample>, One<RollEnsemble>);
     type Output = SampledResponses;
 
+    fn resolution(p: &Params) -> std::result::Result<Vec<String>, String> {
+        of_roll(&p.ship, &p.truth, &p.sea.grid(&p.record))
+    }
+
+    fn check_output(p: &Params, items: Range<u64>, output: &SampledResponses) -> std::result::Result<(), String> {
+        output.check(&p.ship.epsilon_1, (items.end - items.start) as usize, p.truth.capsize_angle)
+    }
+
     fn run(
         p: &Params,
         (groups, sample, ensemble): (Arc<Groups>, Arc<Sample>, Arc<Ensemble>),
         here: Here<'_>,
     ) -> Result<SampledResponses> {
-        let selection = Selection::new(groups.parameters(), sample.of(here.first, here.items));
+        let places = sample.of(here.first, &groups).map_err(Error::stage)?;
+        let selection = Selection::new(groups.parameters(), places);
         let t_p = p.sea.peak_period;
         let approach = Approach::new(p.record.step_and_period(t_p), &p.truth, &p.estimate, 0);
         let runs: Vec<GroupRun> = selection.encounters().map(|group| approach.alone(group)).collect();

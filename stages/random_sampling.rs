@@ -1,5 +1,6 @@
 //! §4 Random sampling: NIC on groups drawn at random, the yardstick of VHGP-Seq.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
@@ -60,6 +61,10 @@ impl Stage for RandomSampling {
                 "random_sampling.samples: expected ascending numbers > 0, found {samples:?}"
             ))
         }
+    }
+
+    fn check_output(_: &Params, _: Range<u64>, output: &RandomEstimates) -> std::result::Result<(), String> {
+        output.check()
     }
 
     fn run(p: &Params, (responses,): (Arc<Responses>,), here: Here<'_>) -> Result<RandomEstimates> {

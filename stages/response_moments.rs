@@ -3,18 +3,20 @@
 //! Truth and NIC are taken over the groups in a bin; CIC and the waves of PIC at the bin's centre, so that CIC's spread is
 //! that of r(a, l) at a point.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
 use crate::engine::arrow::{All, One, PiecesOf};
-use crate::engine::error::Result;
+use crate::engine::error::{Error, Result};
 use crate::engine::stage::{Here, Select, Stage};
-use crate::sea::spectrum::Sea;
+use crate::numerics::invariant;
 use crate::sea::wave_field::Record;
 use crate::sea::wave_group::Groups;
 use crate::ship::encounter::{Approach, Encounter, GroupRun, max_roll_through_groups};
 use crate::ship::initial_condition::{Ensemble, Estimate};
+use crate::ship::resolution::Grid;
 use crate::ship::response::{Moments, Point, Truth, Truths};
 use crate::ship::roll_equation::Ship;
 use crate::ship::sample::SampledResponses;
@@ -23,6 +25,7 @@ use crate::stages::axes::SEA;
 use crate::stages::ground_truth::GroundTruth;
 use crate::stages::group_detection::GroupDetection;
 use crate::stages::nic::Nic;
+use crate::stages::resolution::{Waves, of_roll};
 use crate::stages::roll_ensemble::RollEnsemble;
 
 /// Mean and spread of R(a, l).
@@ -32,7 +35,7 @@ pub struct ResponseMoments;
 #[derive(Serialize, Deserialize)]
 pub struct Params {
     ship: Ship,
-    sea: Sea,
+    sea: Waves,
     record: Record,
     truth: Truth,
     estimate: Estimate,
@@ -47,6 +50,9 @@ pub struct Bins {
     /// Half-widths of the bin around each, same units.
     half_width: [f64; 2],
 }
+
+/// The methods of Figure 4, in its order.
+const METHODS: [&str; 4] = ["truth", "cic", "pic", "nic"];
 
 impl Stage for ResponseMoments {
     const NAME: &'static str = "response_moments";
@@ -74,6 +80,34 @@ impl Stage for ResponseMoments {
         Ok(())
     }
 
+    fn resolution(p: &Params) -> std::result::Result<Vec<String>, String> {
+        let highest = p.moments.groups.iter().map(|group| group[1]).fold(0.0, f64::max);
+        let grid = Grid {
+            highest_group: highest * p.sea.significant_wave_height,
+            ..p.sea.grid(&p.record)
+        };
+        of_roll(&p.ship, &p.truth, &grid)
+    }
+
+    fn check_output(p: &Params, _: Range<u64>, output: &Vec<Point>) -> std::result::Result<(), String> {
+        let (groups, epsilon_1) = (&p.moments.groups, &p.ship.epsilon_1);
+        invariant::length("points", output, groups.len() * epsilon_1.len() * METHODS.len())?;
+        for (i, point) in output.iter().enumerate() {
+            let place = |key: &str| format!("points[{i}].{key}");
+            let (bin, e) = (i / (epsilon_1.len() * METHODS.len()), i / METHODS.len() % epsilon_1.len());
+            invariant::equal(&place("method"), point.method.as_str(), METHODS[i % METHODS.len()])?;
+            invariant::equal(&place("epsilon_1"), &point.epsilon_1, &epsilon_1[e])?;
+            invariant::equal(&place("group"), &point.group, &groups[bin])?;
+            if let Some(moments) = point.moments {
+                let most = p.truth.capsize_angle;
+                invariant::within(&place("mean"), moments.mean, -most..=most)?;
+                invariant::within(&place("standard_deviation"), moments.standard_deviation, 0.0..=most)?;
+                invariant::holds(&place("n"), moments.n > 0, "at least one response")?;
+            }
+        }
+        Ok(())
+    }
+
     fn run(
         p: &Params,
         (groups, truth, nic, ensemble): (
@@ -90,13 +124,8 @@ impl Stage for ResponseMoments {
         for (bin, group) in p.moments.groups.iter().enumerate() {
             let (cic, pic) = at_centre(p, *group, &ensemble);
             for (e, epsilon_1) in p.ship.epsilon_1.iter().enumerate() {
-                let all = [
-                    ("truth", &truth[e][bin]),
-                    ("cic", &cic[e]),
-                    ("pic", &pic[e]),
-                    ("nic", &nic[e][bin]),
-                ];
-                points.extend(all.map(|(method, r)| Point {
+                let all = [&truth[e][bin], &cic[e], &pic[e], &nic[e][bin]];
+                points.extend(METHODS.into_iter().zip(all).map(|(method, r)| Point {
                     epsilon_1: *epsilon_1,
                     group: *group,
                     method: method.to_owned(),
@@ -137,7 +166,11 @@ fn truth_in_bins(
         let (groups, truth) = (groups?, truth?);
         for (found, fields) in found.iter_mut().zip(&truth.fields) {
             for (groups, response) in groups.fields.iter().zip(fields) {
-                // A dropped field has no responses, and zip passes it over.
+                if response.dropped {
+                    continue;
+                }
+                invariant::length("r of ground_truth, for the groups of group_detection", &response.r, groups.len())
+                    .map_err(Error::stage)?;
                 for (group, r) in groups.iter().zip(&response.r) {
                     p.bins(group.l, group.a).for_each(|bin| found[bin].push(*r));
                 }

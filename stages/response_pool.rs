@@ -3,6 +3,8 @@
 //! A query of the design is answered from here: NIC has run on each of these groups once, and running it again gives the
 //! same bits.
 
+use std::ops::Range;
+
 use serde::{Deserialize, Serialize};
 
 use crate::design::input_density::Grid;
@@ -10,6 +12,7 @@ use crate::design::response_pool::ResponsePool as Pool;
 use crate::engine::arrow::{All, PiecesOf};
 use crate::engine::error::{Error, Result};
 use crate::engine::stage::{Here, Select, Stage};
+use crate::numerics::invariant;
 use crate::sea::spectrum::Sea;
 use crate::ship::sample::SampledResponses;
 use crate::stages::axes::SEA;
@@ -63,6 +66,13 @@ impl Stage for ResponsePool {
         Err(format!(
             "vhgp_seq.epsilon_1_index: expected a whole number below {count}, the length of `ship.epsilon_1`, found {index}"
         ))
+    }
+
+    fn check_output(p: &Params, _: Range<u64>, output: &Pool) -> std::result::Result<(), String> {
+        let index = p.vhgp_seq.epsilon_1_index as usize;
+        let expected = p.ship.epsilon_1.get(index).copied().unwrap_or_default();
+        invariant::equal("epsilon_1", &output.epsilon_1, &expected)?;
+        output.check(p.vhgp_seq.grid[0] as usize * p.vhgp_seq.grid[1] as usize)
     }
 
     fn run(p: &Params, (nic,): (PiecesOf<'_, SampledResponses>,), _: Here<'_>) -> Result<Pool> {

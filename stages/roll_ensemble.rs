@@ -2,6 +2,8 @@
 //!
 //! States inside wave groups are in it: the paper's own explanation of why PIC overestimates.
 
+use std::ops::Range;
+
 use serde::{Deserialize, Serialize};
 
 use crate::engine::arrow::{All, PiecesOf};
@@ -15,6 +17,7 @@ use crate::ship::initial_condition::{Ensemble, Pic};
 use crate::ship::response::Truth;
 use crate::ship::roll_equation::Ship;
 use crate::ship::simulation::Simulation;
+use crate::stages::resolution::{Waves, of_roll, of_states};
 use crate::stages::wave_synthesis::WaveSynthesis;
 
 /// (theta, theta_dot) at every envelope time of the first fields.
@@ -24,6 +27,7 @@ pub struct RollEnsemble;
 #[derive(Serialize, Deserialize)]
 pub struct Params {
     ship: Ship,
+    sea: Waves,
     record: Record,
     truth: Truth,
     pic: Pic,
@@ -36,6 +40,15 @@ impl Stage for RollEnsemble {
     type Params = Params;
     type Inputs = (All<WaveSynthesis>,);
     type Output = Ensemble;
+
+    fn resolution(p: &Params) -> std::result::Result<Vec<String>, String> {
+        of_states(&p.record)?;
+        of_roll(&p.ship, &p.truth, &p.sea.grid(&p.record))
+    }
+
+    fn check_output(p: &Params, _: Range<u64>, output: &Ensemble) -> std::result::Result<(), String> {
+        output.check(&p.ship.epsilon_1, p.truth.capsize_angle)
+    }
 
     fn run(p: &Params, (record,): (PiecesOf<'_, WaveFields>,), _: Here<'_>) -> Result<Ensemble> {
         let samples = p.record.samples();

@@ -1,5 +1,6 @@
 //! §4 What no unbiased estimate over (L, A), or with the control, can go below, from all responses of the pool.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
@@ -78,6 +79,10 @@ impl Stage for SamplingFloor {
             }
         }
         Ok(())
+    }
+
+    fn check_output(_: &Params, _: Range<u64>, output: &Floors) -> std::result::Result<(), String> {
+        output.check()
     }
 
     fn run(

@@ -4,6 +4,7 @@
 //! of the groups, the acquisition, a noise that changes slowly, and a roll cut a little above θ_t and seen on its square
 //! root. README.md says how these were chosen. Points are recorded as (L/T_p, A/H_s).
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
@@ -44,6 +45,10 @@ impl Stage for VhgpBest {
         p.vhgp_seq.check().map_err(|why| format!("vhgp_seq.{why}"))?;
         let own = p.vhgp_best.check(&p.vhgp_seq);
         own.map_err(|why| format!("vhgp_best.{why}"))
+    }
+
+    fn check_output(p: &Params, _: Range<u64>, output: &Realisation) -> std::result::Result<(), String> {
+        output.check(p.vhgp_seq.total)
     }
 
     fn run(p: &Params, (responses,): (Arc<Responses>,), here: Here<'_>) -> Result<Realisation> {

@@ -3,6 +3,7 @@
 //! The look-ahead design in the coordinates (z/θ_t, A/H_s): z knows the waves that (L, A) leaves out, and costs no run. A
 //! group's length adds less than its amplitude once z is known. Points are recorded as (z, A/H_s).
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
@@ -44,6 +45,10 @@ impl Stage for VhgpControl {
         p.vhgp_seq.check().map_err(|why| format!("vhgp_seq.{why}"))?;
         let own = p.vhgp_control.check(&p.vhgp_seq);
         own.map_err(|why| format!("vhgp_control.{why}"))
+    }
+
+    fn check_output(p: &Params, _: Range<u64>, output: &Realisation) -> std::result::Result<(), String> {
+        output.check(p.vhgp_seq.total)
     }
 
     fn run(

@@ -1,5 +1,6 @@
 //! §4 The surrogate of VHGP-Seq on one Latin hypercube: what choosing the samples one after the other gains.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
@@ -36,6 +37,10 @@ impl Stage for VhgpLhs {
 
     fn check(p: &Params) -> std::result::Result<(), String> {
         p.vhgp_seq.check().map_err(|why| format!("vhgp_seq.{why}"))
+    }
+
+    fn check_output(p: &Params, _: Range<u64>, output: &Realisation) -> std::result::Result<(), String> {
+        output.check(p.vhgp_seq.total)
     }
 
     fn run(p: &Params, (responses,): (Arc<Responses>,), here: Here<'_>) -> Result<Realisation> {

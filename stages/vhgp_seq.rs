@@ -3,6 +3,7 @@
 //! One realisation is one piece with a stream of its own: 100 -> 200 realisations runs 100, and any of them alone again
 //! gives the same bits.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
@@ -39,6 +40,10 @@ impl Stage for VhgpSeq {
 
     fn check(p: &Params) -> std::result::Result<(), String> {
         p.vhgp_seq.check().map_err(|why| format!("vhgp_seq.{why}"))
+    }
+
+    fn check_output(p: &Params, _: Range<u64>, output: &Realisation) -> std::result::Result<(), String> {
+        output.check(p.vhgp_seq.total)
     }
 
     fn run(p: &Params, (responses,): (Arc<Responses>,), here: Here<'_>) -> Result<Realisation> {

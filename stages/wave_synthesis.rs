@@ -2,10 +2,13 @@
 //!
 //! Gaussian seas (W1) and JONSWAP (W2) share the phases of a field: rows of Table 1 are correlated.
 
+use std::ops::Range;
+
 use serde::{Deserialize, Serialize};
 
 use crate::engine::error::Result;
 use crate::engine::stage::{Here, Keep, Pieces, Stage};
+use crate::sea::resolution;
 use crate::sea::spectrum::Sea;
 use crate::sea::wave_field::{Record, WaveFields};
 
@@ -32,6 +35,14 @@ impl Stage for WaveSynthesis {
     fn check(p: &Params) -> std::result::Result<(), String> {
         p.sea.check().map_err(|why| format!("sea.{why}"))?;
         p.record.check().map_err(|why| format!("record.{why}"))
+    }
+
+    fn resolution(p: &Params) -> std::result::Result<Vec<String>, String> {
+        Ok(resolution::of_modes(&p.sea, &p.record))
+    }
+
+    fn check_output(p: &Params, items: Range<u64>, output: &WaveFields) -> std::result::Result<(), String> {
+        output.check(&p.sea, &p.record, (items.end - items.start) as usize)
     }
 
     fn run(p: &Params, (): (), here: Here<'_>) -> Result<WaveFields> {

@@ -231,6 +231,15 @@ impl Session {
     }
 }
 
+impl Session {
+    /// Says what the grids and steps resolve poorly.
+    fn warn(&self) {
+        for warning in &self.graph.warnings {
+            progress::tell(&format!("warning: {warning}"));
+        }
+    }
+}
+
 /// Says so where the file system has no locks.
 fn told_of_locks(store: Store) -> Store {
     if store.is_without_locks() {

@@ -60,6 +60,7 @@ pub fn run(args: &RunArgs) -> Result<()> {
     if args.dry_run {
         return status::print(&args.common, &session);
     }
+    session.warn();
     let store = session.open_store()?;
     let start = Instant::now();
     let ledger = Mutex::new(Ledger::default());
@@ -75,7 +76,7 @@ pub fn run(args: &RunArgs) -> Result<()> {
     let times = args.profile_time.then(|| ledger.times(&session, &store, seconds));
     drop(store);
     if args.common.json {
-        print_json(&ledger.json(seconds, times.as_ref()));
+        print_json(&ledger.json(seconds, &session.graph.warnings, times.as_ref()));
     } else if outcome.is_ok() {
         ledger.print(&session, seconds, times.as_ref());
     }
@@ -167,7 +168,7 @@ impl Ledger {
         }
     }
 
-    fn json(&self, seconds: f64, times: Option<&timing::Times>) -> serde_json::Value {
+    fn json(&self, seconds: f64, warnings: &[String], times: Option<&timing::Times>) -> serde_json::Value {
         let ran: Vec<_> = self
             .ran
             .iter()
@@ -180,7 +181,7 @@ impl Ledger {
             .collect();
         let mut told = json!({
             "format": 1, "ran": ran, "reused": self.reused, "healed": self.healed, "failed": self.failed,
-            "seconds": seconds, "files": files,
+            "seconds": seconds, "files": files, "warnings": warnings,
         });
         if let Some(times) = times {
             told["profile_time"] = times.json();

@@ -31,6 +31,7 @@ pub fn status(args: &StatusArgs) -> Result<()> {
 
 /// Prints the plan of a session.
 pub(super) fn print(common: &Common, session: &Session) -> Result<()> {
+    session.warn();
     let store = session.look_at_store()?;
     let plan = Plan::new(&session.graph, &store, &[]);
     let nodes = plan.nodes();
@@ -44,7 +45,7 @@ pub(super) fn print(common: &Common, session: &Session) -> Result<()> {
             .collect();
         print_json(&json!({
             "format": 1, "profile": common.profile.name(), "nodes": nodes, "files": files, "cost": cost,
-            "figures": plan.affected(), "stale": stale,
+            "figures": plan.affected(), "stale": stale, "warnings": session.graph.warnings,
         }));
         return Ok(());
     }

@@ -3,6 +3,7 @@
 //! Tested in `tests/physics/convergence.rs`.
 
 use super::floor::Floors;
+use crate::numerics::invariant;
 use crate::numerics::sums::{mean, standard_deviation};
 use serde::{Deserialize, Serialize};
 
@@ -41,6 +42,40 @@ impl Spread {
     pub fn at(&self, n: u32) -> Option<(f64, f64)> {
         let place = self.n_samples.iter().position(|size| *size == n)?;
         Some((self.mean[place], self.std[place]))
+    }
+}
+
+impl Spread {
+    /// Checks that every number of samples has a mean and a deviation.
+    ///
+    /// # Errors
+    /// The first thing that is missing, or no estimate of a probability.
+    fn check(&self) -> Result<(), String> {
+        invariant::ascending("n_samples", &self.n_samples)?;
+        for (place, list) in [("mean", &self.mean), ("std", &self.std)] {
+            invariant::length(place, list, self.n_samples.len())?;
+            invariant::all_within(place, list, &(-1e-9..=1.0 + 1e-9))?;
+        }
+        Ok(())
+    }
+}
+
+impl Convergence {
+    /// Checks every method's line, and the floors.
+    ///
+    /// # Errors
+    /// The first thing that is not so.
+    pub fn check(&self) -> Result<(), String> {
+        let lines = [
+            ("sequential", &self.sequential),
+            ("best", &self.best),
+            ("control", &self.control),
+            ("lhs", &self.lhs),
+            ("random", &self.random),
+        ];
+        let mut lines = lines.into_iter();
+        lines.try_for_each(|(place, line)| line.check().map_err(|why| format!("{place}.{why}")))?;
+        self.floors.check().map_err(|why| format!("floors.{why}"))
     }
 }
 

@@ -13,6 +13,7 @@
 use super::estimate::exceedance;
 use super::quadrature::Quadrature;
 use crate::numerics::elementary::{exp, ln};
+use crate::numerics::invariant;
 use crate::numerics::normal::density;
 use crate::numerics::optimal_design::{Unknown, c_optimal};
 use crate::numerics::sums::{mean, sum};
@@ -20,6 +21,9 @@ use serde::{Deserialize, Serialize};
 
 /// Least local variance of the responses.
 const LEAST_VARIANCE: f64 = 1e-6;
+
+/// No relative deviation of one sample is larger.
+const LARGEST_DEVIATION: f64 = 1e9;
 
 /// Standard deviations relative to P of the estimate from one sample; divide by √n.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -45,6 +49,25 @@ pub struct Floors {
     pub groups: Option<Floor>,
     /// Of those that see (z/θ_t, A/H_s).
     pub control: Option<Floor>,
+}
+
+impl Floors {
+    /// Checks that probabilities are such and no deviation is below zero.
+    ///
+    /// # Errors
+    /// The first number that cannot be one.
+    pub fn check(&self) -> Result<(), String> {
+        for (place, floor) in [("groups", self.groups), ("control", self.control)] {
+            let Some(floor) = floor else { continue };
+            let own = |key: &str| format!("{place}.{key}");
+            invariant::within(&own("probability"), floor.probability, 0.0..=1.0)?;
+            // A quadrature's weights add up to 1 but for rounding.
+            invariant::within(&own("model_probability"), floor.model_probability, 0.0..=1.0 + 1e-9)?;
+            let deviations = [floor.random, floor.importance, floor.stratified, floor.model];
+            invariant::all_within(place, &deviations, &(0.0..=LARGEST_DEVIATION))?;
+        }
+        Ok(())
+    }
 }
 
 /// What is known of the pool at every node of a quadrature, by Gaussian kernels.

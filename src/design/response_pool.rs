@@ -1,6 +1,10 @@
 //! What one case of the sequential design draws from: groups with known responses, and their density.
 
+use crate::numerics::invariant;
 use serde::{Deserialize, Serialize};
+
+/// No group is so many T_p long or H_s high: squares of differences stay finite.
+const LARGEST: f64 = 1e12;
 
 /// The groups of one ship and sea, as the design sees them.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -16,6 +20,19 @@ pub struct ResponsePool {
 }
 
 impl ResponsePool {
+    /// Checks that every group has a size above zero and a response, and every one of `candidates` a density.
+    ///
+    /// # Errors
+    /// The first thing that is missing.
+    pub fn check(&self, candidates: usize) -> Result<(), String> {
+        invariant::holds("points", !self.points.is_empty(), "at least one group")?;
+        invariant::length("r", &self.r, self.points.len())?;
+        let sizes = self.points.iter().flatten();
+        invariant::all_within("points", sizes, &(f64::MIN_POSITIVE..=LARGEST))?;
+        invariant::length("density", &self.density, candidates)?;
+        invariant::all_within("density", &self.density, &(0.0..=f64::MAX))
+    }
+
     /// (z/θ_t, A/H_s) of every group (N), `z` (N) their linear responses, rad.
     ///
     /// # Errors
@@ -39,4 +56,16 @@ pub struct RandomEstimates {
     pub n_samples: Vec<u32>,
     /// P_est after each.
     pub estimate: Vec<f64>,
+}
+
+impl RandomEstimates {
+    /// Checks that the numbers of samples ascend and that each has an estimate from 0 to 1.
+    ///
+    /// # Errors
+    /// The first thing that is not so.
+    pub fn check(&self) -> Result<(), String> {
+        invariant::ascending("n_samples", &self.n_samples)?;
+        invariant::length("estimate", &self.estimate, self.n_samples.len())?;
+        invariant::all_within("estimate", &self.estimate, &(0.0..=1.0))
+    }
 }

@@ -10,6 +10,7 @@ use super::quadrature::Quadrature;
 use super::response_scale::ResponseScale;
 use super::sequence::Sequence;
 use crate::gp::fit::Fitting;
+use crate::numerics::invariant;
 use rand_chacha::ChaCha12Rng;
 use serde::{Deserialize, Serialize};
 
@@ -112,6 +113,25 @@ pub struct Realisation {
     pub unconverged_fits: u32,
     /// Evaluations of the bound.
     pub evaluations: u32,
+}
+
+impl Realisation {
+    /// Checks that the numbers of samples ascend to the number of points, each with an estimate, every point with its
+    /// response.
+    ///
+    /// # Errors
+    /// The first thing that is not so.
+    pub fn check(&self, total: u32) -> Result<(), String> {
+        invariant::ascending("n_samples", &self.n_samples)?;
+        invariant::length("estimate", &self.estimate, self.n_samples.len())?;
+        // Rounding may leave a quadrature a little above 1.
+        invariant::all_within("estimate", &self.estimate, &(-1e-9..=1.0 + 1e-9))?;
+        invariant::length("y", &self.y, self.points.len())?;
+        let most = self.points.len().min(total as usize) as u32;
+        let reached = self.n_samples.last().is_none_or(|n| *n <= most);
+        invariant::holds("n_samples", reached, &format!("numbers up to {most}, the samples there are"))?;
+        invariant::holds("points", self.points.len() <= total as usize, &format!("at most {total} samples"))
+    }
 }
 
 /// Runs one realisation.

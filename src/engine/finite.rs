@@ -17,16 +17,24 @@ use crate::engine::tree::tree;
 /// # Errors
 /// The first such number, by path within the artifact.
 pub fn check<T: Serialize + ?Sized>(value: &T) -> Result<()> {
-    if value.serialize(Looker).is_ok() {
-        return Ok(());
-    }
-    match first_not_finite(&tree(value)?) {
+    match first_refused(value)? {
         Some((path, number)) => Err(Error::stage(format!(
             "{path} of its output is {number:?}: expected a finite number; nothing was stored"
         ))),
-        // What keeps it from being described will be told by the codec.
         None => Ok(()),
     }
+}
+
+/// The first number of a value that is not finite, with its path; none if all are.
+///
+/// # Errors
+/// A value that cannot be described.
+pub(crate) fn first_refused<T: Serialize + ?Sized>(value: &T) -> Result<Option<(String, f64)>> {
+    if value.serialize(Looker).is_ok() {
+        return Ok(None);
+    }
+    // What keeps a value from being described is said by the codec.
+    Ok(first_not_finite(&tree(value)?))
 }
 
 /// A number that is not finite, or a value that cannot be described.

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use crate::engine::arrow::Kind;
 use crate::engine::case::{Axis, Case};
 use crate::engine::code;
+use crate::engine::decode::Fault;
 use crate::engine::error::{Error, Result};
 use crate::engine::node::{Decoded, Node};
 use crate::engine::params::{ParamsFile, nearest};
@@ -46,6 +47,8 @@ pub struct Graph {
     pub(crate) wanted: Vec<Vec<bool>>,
     /// The parameters in force, each with the place where it was written.
     pub(crate) params: ParamsFile,
+    /// What the grids and steps of its cases resolve poorly: `place: key: expected .., found ..`, each once.
+    pub warnings: Vec<String>,
 }
 
 impl NodeCase {
@@ -116,9 +119,25 @@ impl Graph {
         let places = builder.wanted.keys().map(|(place, _)| *place).collect();
         pipeline.check_rules(params, &checked, &places)?;
         let mut graph = builder.link(&asked, checked)?;
+        graph.warnings = graph.resolution(pipeline)?;
         targets.iter().try_for_each(|target| graph.check_piece(target))?;
         graph.want_pieces(targets);
         Ok(graph)
+    }
+
+    /// Checks what the grids and steps of every case resolve; gives the warnings.
+    fn resolution(&self, pipeline: &Pipeline) -> Result<Vec<String>> {
+        let mut warnings = Vec::new();
+        for it in &self.nodes {
+            let told = |fault: &Fault| self.params.fault(fault, pipeline.axes, &it.case);
+            let found = it.node.resolution(&it.decoded).map_err(|fault| told(&fault))?;
+            for warning in found.iter().map(|fault| told(fault).to_string()) {
+                if !warnings.contains(&warning) {
+                    warnings.push(warning);
+                }
+            }
+        }
+        Ok(warnings)
     }
 
     /// Marks the pieces that some targets need: a target that names one wants no other of its node.
@@ -371,6 +390,7 @@ impl<'a> Builder<'a> {
             seed,
             targets,
             params: self.params.clone(),
+            warnings: Vec::new(),
         })
     }
 

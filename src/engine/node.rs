@@ -3,6 +3,7 @@
 use std::any::{Any, TypeId};
 use std::collections::BTreeMap;
 use std::marker::PhantomData;
+use std::ops::Range;
 use std::sync::Arc;
 
 use crate::engine::arrow::{Inputs, Kind};
@@ -10,7 +11,7 @@ use crate::engine::case::Axis;
 use crate::engine::codec;
 use crate::engine::decode::{Fault, decode};
 use crate::engine::difference::{self, Difference};
-use crate::engine::error::Result;
+use crate::engine::error::{Error, Result};
 use crate::engine::fields::field_names;
 use crate::engine::finite;
 use crate::engine::read::Reader;
@@ -46,8 +47,10 @@ pub trait Node: Sync {
     fn tables(&self) -> &'static [&'static str];
     fn decode_params(&self, view: toml::Table) -> std::result::Result<Decoded, Fault>;
     fn check_params(&self, decoded: &Decoded) -> std::result::Result<(), Fault>;
+    fn resolution(&self, decoded: &Decoded) -> std::result::Result<Vec<Fault>, Fault>;
     fn run(&self, params: &(dyn Any + Send + Sync), reader: &Reader<'_>, here: Here<'_>) -> Result<Vec<u8>>;
     fn decode(&self, bytes: &[u8]) -> Result<Value>;
+    fn check_value(&self, params: &(dyn Any + Send + Sync), items: Range<u64>, value: &Value) -> Result<()>;
     fn published(&self, bytes: &[u8]) -> Result<BTreeMap<String, String>>;
     fn json(&self, bytes: &[u8]) -> Result<serde_json::Value>;
     fn difference(&self, earlier: &[u8], later: &[u8]) -> Result<Option<Difference>>;
@@ -60,6 +63,23 @@ struct Of<S>(PhantomData<fn() -> S>);
 /// The node of a stage.
 pub const fn node<S: Stage>() -> &'static dyn Node {
     &Of::<S>(PhantomData)
+}
+
+/// What a stage says of its parameters, `key: message`, as a fault.
+fn fault(text: &str) -> Fault {
+    let (path, message) = text.split_once(": ").unwrap_or(("", text));
+    Fault {
+        path: path.to_owned(),
+        message: message.to_owned(),
+    }
+}
+
+/// An output that is not what its stage makes.
+fn damaged<S: Stage>(why: String) -> Error {
+    Error::Damaged {
+        what: format!("an output of {}", S::NAME),
+        why,
+    }
 }
 
 impl<S: Stage> Node for Of<S> {
@@ -114,26 +134,46 @@ impl<S: Stage> Node for Of<S> {
     fn check_params(&self, decoded: &Decoded) -> std::result::Result<(), Fault> {
         let value = decoded.value.downcast_ref::<S::Params>();
         let value = value.expect("a node is handed its own parameters");
-        S::check(value).map_err(|text| {
-            let (path, message) = text.split_once(": ").unwrap_or(("", &text));
-            Fault {
-                path: path.to_owned(),
-                message: message.to_owned(),
-            }
-        })
+        S::check(value).map_err(|text| fault(&text))
+    }
+
+    fn resolution(&self, decoded: &Decoded) -> std::result::Result<Vec<Fault>, Fault> {
+        let value = decoded.value.downcast_ref::<S::Params>();
+        let value = value.expect("a node is handed its own parameters");
+        match S::resolution(value) {
+            Ok(warnings) => Ok(warnings.iter().map(|text| fault(text)).collect()),
+            Err(text) => Err(fault(&text)),
+        }
     }
 
     fn run(&self, params: &(dyn Any + Send + Sync), reader: &Reader<'_>, here: Here<'_>) -> Result<Vec<u8>> {
         let params = params
             .downcast_ref::<S::Params>()
             .expect("a node is handed its own parameters");
+        let items = here.first..here.first + here.items;
         let output = S::run(params, S::Inputs::open(reader)?, here)?;
         finite::check(&output)?;
+        S::check_output(params, items, &output)
+            .map_err(|why| Error::stage(format!("its output breaks a rule of its own: {why}; nothing was stored")))?;
         codec::encode(&output)
     }
 
     fn decode(&self, bytes: &[u8]) -> Result<Value> {
-        Ok(Arc::new(codec::decode::<S::Output>(bytes)?))
+        let output = codec::decode::<S::Output>(bytes)?;
+        if let Some((path, number)) = finite::first_refused(&output)? {
+            return Err(damaged::<S>(format!("{path}: expected a finite number, found {number:?}")));
+        }
+        Ok(Arc::new(output))
+    }
+
+    fn check_value(&self, params: &(dyn Any + Send + Sync), items: Range<u64>, value: &Value) -> Result<()> {
+        let params = params
+            .downcast_ref::<S::Params>()
+            .expect("a node is handed its own parameters");
+        let output = value
+            .downcast_ref::<S::Output>()
+            .expect("a node is handed what it decoded");
+        S::check_output(params, items, output).map_err(damaged::<S>)
     }
 
     fn published(&self, bytes: &[u8]) -> Result<BTreeMap<String, String>> {
@@ -147,10 +187,7 @@ impl<S: Stage> Node for Of<S> {
 
     fn json(&self, bytes: &[u8]) -> Result<serde_json::Value> {
         let output = codec::decode::<S::Output>(bytes)?;
-        serde_json::to_value(&output).map_err(|why| crate::engine::error::Error::Damaged {
-            what: format!("an output of {}", S::NAME),
-            why: why.to_string(),
-        })
+        serde_json::to_value(&output).map_err(|why| damaged::<S>(why.to_string()))
     }
 
     fn difference(&self, earlier: &[u8], later: &[u8]) -> Result<Option<Difference>> {

@@ -46,6 +46,29 @@ pub trait Stage: 'static {
         Ok(())
     }
 
+    /// What the grids and steps of a case resolve; asked of every case of a run, since a step that suits one ship or sea
+    /// need not suit another. Gives warnings; a warning and an error both read as in [`Stage::check`].
+    ///
+    /// # Errors
+    /// The first grid or step whose results would be those of the method instead of the ship's.
+    fn resolution(_params: &Self::Params) -> std::result::Result<Vec<String>, String> {
+        Ok(Vec::new())
+    }
+
+    /// The invariants of an output over the items of its piece: what readers take for granted and serde cannot say, such
+    /// as equal lengths. Asked when an output is made, and when one enters from the store, which may hold anything. That
+    /// all numbers are finite is checked before.
+    ///
+    /// # Errors
+    /// The first invariant that does not hold: `place: expected .., found ..`.
+    fn check_output(
+        _params: &Self::Params,
+        _items: std::ops::Range<u64>,
+        _output: &Self::Output,
+    ) -> std::result::Result<(), String> {
+        Ok(())
+    }
+
     /// Makes the output of one piece; a pure function.
     ///
     /// # Errors

@@ -7,7 +7,7 @@
 //!
 //! Tested against the direct double sum and the normal law in `tests/physics/density.rs`.
 
-use crate::numerics::elementary;
+use crate::numerics::{elementary, invariant};
 use serde::{Deserialize, Serialize};
 
 /// Kernels are cut off at this many bandwidths, where they are 1.5e-8 of their peak.
@@ -64,6 +64,25 @@ pub struct DensityMap {
 }
 
 impl DensityMap {
+    /// Checks that it is a density of kernels of a bandwidth on a grid: no point is higher than a single kernel's peak.
+    ///
+    /// # Errors
+    /// Another grid, or a value that no density has.
+    pub fn check(&self, grid: &Grid, bandwidth: [f64; 2]) -> Result<(), String> {
+        let own = Grid {
+            x0: self.x0,
+            dx: self.dx,
+            nx: self.nx,
+            y0: self.y0,
+            dy: self.dy,
+            ny: self.ny,
+        };
+        invariant::equal("density", &own, grid)?;
+        invariant::length("density.p", &self.p, grid.nx as usize * grid.ny as usize)?;
+        let highest = 1.0 / (std::f64::consts::TAU * bandwidth[0] * bandwidth[1]);
+        invariant::all_within("density.p", &self.p, &(0.0..=highest * (1.0 + 1e-6)))
+    }
+
     /// The bilinear interpolant at (x, y); 0 outside the grid.
     pub fn at(&self, x: f64, y: f64) -> f64 {
         let (Some((ix, u)), Some((iy, v))) = (

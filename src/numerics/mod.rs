@@ -6,6 +6,7 @@ pub mod domain;
 pub mod elementary;
 pub mod fourier;
 pub mod hermite;
+pub mod invariant;
 pub mod lanes;
 pub mod latin_hypercube;
 pub mod lbfgs_memory;

@@ -11,7 +11,8 @@
 //! of known envelope in `tests/physics/envelope.rs`.
 
 use crate::numerics::fourier::{Synthesis, WIDTH};
-use crate::sea::wave_field::{Record, WaveFields};
+use crate::numerics::invariant;
+use crate::sea::wave_field::{Record, WaveFields, highest_envelope};
 use serde::{Deserialize, Serialize};
 
 /// Envelopes of the fields of a piece.
@@ -24,6 +25,22 @@ pub struct Envelopes {
 }
 
 impl Envelopes {
+    /// Checks that these are envelopes of waves of T_p (s) and H_s (m) on a record's grid, so many of them.
+    ///
+    /// # Errors
+    /// The first thing that is not as the record makes it.
+    pub fn check(&self, t_p: f64, h_s: f64, record: &Record, fields: usize) -> Result<(), String> {
+        let spacing = t_p / f64::from(record.envelope_samples_per_period);
+        invariant::equal("spacing", &self.spacing, &spacing)?;
+        invariant::length("rho", &self.rho, fields)?;
+        let highest = highest_envelope(h_s, record.modes);
+        self.rho.iter().enumerate().try_for_each(|(field, rho)| {
+            let place = format!("rho[{field}]");
+            invariant::length(&place, rho, record.envelope_samples())?;
+            invariant::all_within(&place, rho, &(0.0..=highest))
+        })
+    }
+
     /// (E1) The envelopes of all fields on the record's envelope grid.
     pub fn of(fields: &WaveFields, record: &Record) -> Self {
         let n = record.envelope_samples();

@@ -2,6 +2,7 @@
 
 pub mod detection;
 pub mod envelope;
+pub mod resolution;
 pub mod spectrum;
 pub mod statistics;
 pub mod wave_field;

@@ -97,6 +97,11 @@ impl Sea {
         std::f64::consts::TAU / self.peak_period
     }
 
+    /// JONSWAP's relative width below its peak.
+    pub fn peak_width(&self) -> f64 {
+        self.sigma_low.unwrap_or(SIGMA_LOW)
+    }
+
     /// (W1) or (W2) up to a constant, 1 or less at the peak of (W1); omega in rad/s, > 0.
     pub fn density(&self, omega: f64) -> f64 {
         let omega_p = self.omega_p();

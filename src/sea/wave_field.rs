@@ -13,7 +13,7 @@
 
 use crate::numerics::fourier::{LONGEST, Lanes, Synthesis, WIDTH};
 use crate::numerics::lanes::{Kernel, dispatch};
-use crate::numerics::{domain, elementary, random};
+use crate::numerics::{domain, elementary, invariant, random};
 use crate::sea::spectrum::Sea;
 use num_complex::Complex;
 use num_traits::Zero;
@@ -86,6 +86,11 @@ impl Record {
         self.periods_per_field as usize * self.samples_per_period as usize
     }
 
+    /// The most samples of eta per T_p that a field of this length may have.
+    pub fn most_samples_per_period(&self) -> u32 {
+        (MOST_SAMPLES / u64::from(self.periods_per_field)) as u32
+    }
+
     /// Samples of the envelope in one field.
     pub fn envelope_samples(&self) -> usize {
         self.periods_per_field as usize * self.envelope_samples_per_period as usize
@@ -110,6 +115,12 @@ impl Record {
     pub fn synthesis(&self) -> Synthesis {
         Synthesis::new(self.modes as usize, self.samples())
     }
+}
+
+/// What no envelope exceeds, m: all modes in phase, sum A_k <= sqrt(modes sum A_k^2) with sum A_k^2 = H_s^2/8.
+pub fn highest_envelope(h_s: f64, modes: u32) -> f64 {
+    // The last term stands for rounding.
+    h_s * (f64::from(modes) / 8.0).sqrt() * (1.0 + 1e-9)
 }
 
 /// Modes and phases of the fields of a piece; the series are made from them when needed.
@@ -140,6 +151,26 @@ impl WaveFields {
             amplitude: sea.amplitudes(record.modes, delta_omega),
             phase: streams.map(phases).collect(),
         }
+    }
+
+    /// Checks that these are fields of a sea and record, so many of them.
+    ///
+    /// # Errors
+    /// The first thing that is not as the sea and the record make it.
+    pub fn check(&self, sea: &Sea, record: &Record, fields: usize) -> Result<(), String> {
+        let modes = record.modes as usize;
+        let delta_omega = sea.omega_p() / f64::from(record.periods_per_field);
+        invariant::equal("t_p", &self.t_p, &sea.peak_period)?;
+        invariant::equal("delta_omega", &self.delta_omega, &delta_omega)?;
+        invariant::length("amplitude", &self.amplitude, modes)?;
+        let highest = highest_envelope(sea.significant_wave_height, record.modes);
+        invariant::all_within("amplitude", &self.amplitude, &(0.0..=highest))?;
+        invariant::length("phase", &self.phase, fields)?;
+        self.phase.iter().enumerate().try_for_each(|(field, phase)| {
+            let place = format!("phase[{field}]");
+            invariant::length(&place, phase, modes)?;
+            invariant::all_within(&place, phase, &(0.0..=std::f64::consts::TAU))
+        })
     }
 
     /// Period of a field, s.

@@ -8,11 +8,13 @@
 //! Groups of one field are not independent, fields are. Counts are whole numbers and add up exactly, piece by piece.
 //! Tested in `tests/physics/exceedance.rs` on data made by hand and against seeded sampling.
 
-use crate::numerics::domain;
+use crate::numerics::{domain, invariant};
 use crate::numerics::lanes::{Kernel, dispatch};
 use crate::ship::response::Response;
 use serde::{Deserialize, Serialize};
 
+/// The methods of Figure 3, in its order.
+pub const METHODS: [&str; 5] = ["truth", "cic", "pic", "nic", "nic_groups"];
 /// The most thresholds a curve may have.
 const MOST: f64 = 10_000.0;
 
@@ -71,6 +73,21 @@ pub struct Curve {
     pub n: u64,
 }
 
+impl Curve {
+    /// Checks that it is a curve over these thresholds: all its points or, without groups, none.
+    ///
+    /// # Errors
+    /// Another threshold, another number of points, or a number that is no probability.
+    pub fn check(&self, theta_t: &[f64]) -> Result<(), String> {
+        invariant::equal("theta_t", &self.theta_t[..], theta_t)?;
+        let points = if self.n > 0 { theta_t.len() } else { 0 };
+        invariant::length("probability", &self.probability, points)?;
+        invariant::length("standard_error", &self.standard_error, points)?;
+        invariant::all_within("probability", &self.probability, &(0.0..=1.0))?;
+        invariant::all_within("standard_error", &self.standard_error, &(0.0..=1.0))
+    }
+}
+
 /// Exceedances counted field by field: all that Eq. (1) and (T1) need, exact, and mergeable in any order.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Exceedances {
@@ -96,6 +113,31 @@ impl Exceedances {
             c_c: vec![0; thresholds],
             c_n: vec![0; thresholds],
         }
+    }
+
+    /// Checks that these are counts over so many thresholds of fields with the given numbers of items.
+    ///
+    /// # Errors
+    /// The first count that cannot be one.
+    pub fn check(&self, thresholds: usize, items: impl IntoIterator<Item = u64>) -> Result<(), String> {
+        let (mut n, mut n_n, mut largest) = (0, 0, 0);
+        for n_f in items {
+            n += n_f;
+            n_n += n_f * n_f;
+            largest = n_f.max(largest);
+        }
+        invariant::equal("n", &self.n, &n)?;
+        invariant::equal("n_n", &self.n_n, &n_n)?;
+        for (place, list) in [("c", &self.c), ("c_c", &self.c_c), ("c_n", &self.c_n)] {
+            invariant::length(place, list, thresholds)?;
+        }
+        for k in 0..thresholds {
+            // c_f <= n_f <= the largest, field by field.
+            let (c, c_c, c_n) = (self.c[k], self.c_c[k], self.c_n[k]);
+            let counted = c <= n && c_c <= c_n && c <= c_c && c_n <= c * largest;
+            invariant::holds(&format!("c[{k}], c_c[{k}], c_n[{k}]"), counted, "sums over fields of one count")?;
+        }
+        Ok(())
     }
 
     /// Counts the responses of one field.
@@ -227,6 +269,34 @@ impl Counts {
 }
 
 impl Probabilities {
+    /// Checks that every method and the share of time have a curve for each epsilon_1, over the thresholds of Figure 3, of
+    /// Table 1 and of the levels.
+    ///
+    /// # Errors
+    /// The first curve that is missing, or none of probabilities.
+    pub fn check(&self, figure: &[f64], table: &[f64], levels: &[f64]) -> Result<(), String> {
+        let epsilons = self.counts.len();
+        invariant::holds("counts", epsilons > 0, "at least one epsilon_1")?;
+        for (place, curves, theta_t) in [("curves", &self.curves, figure), ("table", &self.table, table)] {
+            invariant::length(place, curves, METHODS.len() * epsilons)?;
+            for (i, curve) in curves.iter().enumerate() {
+                let own = |why: String| format!("{place}[{i}].{why}");
+                invariant::equal("method", curve.method.as_str(), METHODS[i / epsilons]).map_err(own)?;
+                invariant::equal("epsilon_1", &curve.epsilon_1, &self.counts[i % epsilons].epsilon_1).map_err(own)?;
+                curve.check(theta_t).map_err(own)?;
+            }
+        }
+        invariant::length("temporal", &self.temporal, epsilons)?;
+        for (e, (curve, counts)) in self.temporal.iter().zip(&self.counts).enumerate() {
+            curve.check(levels).map_err(|why| format!("temporal[{e}].{why}"))?;
+            let place = |key: &str| format!("counts[{e}].{key}");
+            invariant::within(&place("time_above"), counts.time_above, 0.0..=1.0)?;
+            let capsized = counts.capsized_groups <= counts.groups;
+            invariant::holds(&place("capsized_groups"), capsized, "at most all groups")?;
+        }
+        Ok(())
+    }
+
     /// (epsilon_1, probability, standard error) of a method at Table 1's threshold, for one value of the ship's list.
     pub fn at_table(&self, method: &str, epsilon_1_index: usize) -> Option<(f64, f64, f64)> {
         let epsilon_1 = self.counts.get(epsilon_1_index)?.epsilon_1;

@@ -9,7 +9,7 @@
 //! The three tables `[estimate]`, `[pic]`, `[nic]`, the size of PIC's ensemble, and NIC's predecessors.
 //! Tested in `tests/physics/encounter.rs`.
 
-use crate::numerics::domain;
+use crate::numerics::{domain, invariant};
 use crate::ship::encounter::Encounter;
 use serde::{Deserialize, Serialize};
 
@@ -97,4 +97,24 @@ pub struct Ensemble {
     pub epsilon_1: Vec<f64>,
     /// (epsilon_1)(times), in the order of the record; equal times along epsilon_1.
     pub states: Vec<Vec<RollState>>,
+}
+
+impl Ensemble {
+    /// Checks that there are states for a ship's list of epsilon_1, equally many for each, none of them a capsize.
+    ///
+    /// # Errors
+    /// No states, another number of them, or one beyond the capsize angle.
+    pub fn check(&self, epsilon_1: &[f64], capsize_angle: f64) -> Result<(), String> {
+        invariant::equal("epsilon_1", &self.epsilon_1[..], epsilon_1)?;
+        invariant::length("states", &self.states, epsilon_1.len())?;
+        let times = self.states.first().map_or(0, Vec::len);
+        invariant::holds("states", times > 0, "at least one state")?;
+        for (e, states) in self.states.iter().enumerate() {
+            let place = format!("states[{e}]");
+            invariant::length(&place, states, times)?;
+            let angles = states.iter().map(|state| &state.theta);
+            invariant::all_within(&place, angles, &(-capsize_angle..=capsize_angle))?;
+        }
+        Ok(())
+    }
 }

@@ -13,6 +13,7 @@
 
 use crate::numerics::elementary::{exp, ln};
 use crate::numerics::fourier::{Lanes, WIDTH};
+use crate::numerics::invariant;
 use crate::ship::roll_equation::{Damping, Ship};
 use num_complex::Complex;
 use serde::{Deserialize, Serialize};
@@ -83,4 +84,14 @@ pub fn geometric_means(z: &[Vec<f64>]) -> Vec<f64> {
 pub struct LinearResponses {
     /// z (groups), rad, in the order of the sample.
     pub z: Vec<f64>,
+}
+
+impl LinearResponses {
+    /// Checks that no response is below zero.
+    ///
+    /// # Errors
+    /// The first that is.
+    pub fn check(&self) -> Result<(), String> {
+        invariant::all_within("z", &self.z, &(0.0..=f64::MAX))
+    }
 }

@@ -8,6 +8,7 @@ pub mod exceedance;
 mod group_waves;
 pub mod initial_condition;
 pub mod linear_response;
+pub mod resolution;
 pub mod response;
 pub mod roll_equation;
 pub mod sample;

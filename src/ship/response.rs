@@ -8,7 +8,7 @@
 //!
 //! A capsize is a value: the groups whose segment holds it have r = capsize_angle, which exceeds every threshold.
 
-use crate::numerics::{domain, sums};
+use crate::numerics::{domain, invariant, sums};
 use crate::ship::exceedance::{Exceedances, Thresholds};
 use serde::{Deserialize, Serialize};
 
@@ -107,6 +107,18 @@ pub struct Response {
 }
 
 impl Response {
+    /// Checks that no roll is above the capsize angle, and that a dropped field has no responses.
+    ///
+    /// # Errors
+    /// The first thing that a field's roll does not leave behind.
+    fn check(&self, truth: &Truth) -> Result<(), String> {
+        let (least, most) = (-truth.capsize_angle, truth.capsize_angle);
+        let least = if truth.roll == Roll::Absolute { 0.0 } else { least };
+        invariant::all_within("r", &self.r, &(least..=most))?;
+        invariant::within("time_above", self.time_above, 0.0..=1.0)?;
+        invariant::holds("r", !self.dropped || self.r.is_empty(), "no responses of a dropped field")
+    }
+
     /// The number of groups whose segment holds a capsize.
     pub fn capsized_groups(&self, capsize_angle: f64) -> usize {
         self.r.iter().filter(|r| **r >= capsize_angle).count()
@@ -147,6 +159,33 @@ pub struct Truths {
     pub fields: Vec<Vec<Response>>,
     /// Instants at T_p/4 with |theta| above each of `temporal_levels`, by field, dropped fields left out; (epsilon_1).
     pub temporal: Vec<Exceedances>,
+}
+
+impl Truths {
+    /// Checks that these are the responses of a ship's list of epsilon_1 in so many fields, whose |theta| was counted at
+    /// `instants` a field over `levels` thresholds.
+    ///
+    /// # Errors
+    /// The first thing that the roll of a ship does not leave behind.
+    pub fn check(&self, epsilon_1: &[f64], fields: usize, truth: &Truth, instants: u64) -> Result<(), String> {
+        invariant::equal("epsilon_1", &self.epsilon_1[..], epsilon_1)?;
+        invariant::length("fields", &self.fields, epsilon_1.len())?;
+        invariant::length("temporal", &self.temporal, epsilon_1.len())?;
+        let levels = truth.temporal_levels.values().len();
+        for (e, (own, temporal)) in self.fields.iter().zip(&self.temporal).enumerate() {
+            invariant::length(&format!("fields[{e}]"), own, fields)?;
+            for (field, (response, other)) in own.iter().zip(&self.fields[0]).enumerate() {
+                let place = |key: &str| format!("fields[{e}][{field}].{key}");
+                response.check(truth).map_err(|why| place(&why))?;
+                if !response.dropped && !other.dropped {
+                    invariant::length(&place("r"), &response.r, other.r.len())?;
+                }
+            }
+            let kept = own.iter().filter(|response| !response.dropped).map(|_| instants);
+            temporal.check(levels, kept).map_err(|why| format!("temporal[{e}].{why}"))?;
+        }
+        Ok(())
+    }
 }
 
 /// One point of Figure 4.

@@ -3,6 +3,7 @@
 //! Responses stay grouped by field, since the standard error (T1) is one of fields.
 //! Tested in `tests/physics/exceedance.rs`.
 
+use crate::numerics::invariant;
 use crate::ship::encounter::Encounter;
 use serde::{Deserialize, Serialize};
 
@@ -25,6 +26,27 @@ pub struct SampledResponses {
     pub a: Vec<Vec<f64>>,
     /// Largest roll: (epsilon_1)(fields)(sampled), rad.
     pub r: Vec<Vec<Vec<f64>>>,
+}
+
+impl SampledResponses {
+    /// Checks that these are the responses of a ship's list of epsilon_1 in so many fields, none beyond the capsize angle.
+    ///
+    /// # Errors
+    /// The first thing that a method does not leave behind.
+    pub fn check(&self, epsilon_1: &[f64], fields: usize, capsize_angle: f64) -> Result<(), String> {
+        invariant::equal("epsilon_1", &self.epsilon_1[..], epsilon_1)?;
+        invariant::length("l", &self.l, fields)?;
+        invariant::lengths("a", &self.a, &self.l)?;
+        invariant::length("r", &self.r, epsilon_1.len())?;
+        for (e, r) in self.r.iter().enumerate() {
+            let place = format!("r[{e}]");
+            invariant::lengths(&place, r, &self.l)?;
+            invariant::all_within(&place, r.iter().flatten(), &(-capsize_angle..=capsize_angle))?;
+        }
+        let sizes = f64::MIN_POSITIVE..=f64::MAX;
+        invariant::all_within("l", self.l.iter().flatten(), &sizes)?;
+        invariant::all_within("a", self.a.iter().flatten(), &sizes)
+    }
 }
 
 impl<'a> Selection<'a> {

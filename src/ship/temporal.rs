@@ -9,6 +9,7 @@
 //! P_temp itself does not know what a group is. What of it the groups hold tells whether a detection misses extreme roll.
 //! Tested in `tests/physics/temporal.rs`.
 
+use crate::numerics::invariant;
 use crate::ship::continuous_roll::Rolled;
 use crate::ship::encounter::Encounter;
 use crate::ship::exceedance::{Curve, Exceedances};
@@ -77,6 +78,29 @@ pub struct DetectionStudy {
     pub temporal: Vec<Curve>,
     /// One entry per similarity threshold.
     pub detections: Vec<StudiedDetection>,
+}
+
+impl DetectionStudy {
+    /// Checks that every similarity threshold has its curves, one for each of so many epsilon_1 over the given levels.
+    ///
+    /// # Errors
+    /// The first curve that is missing, or none of probabilities.
+    pub fn check(&self, similarity_thresholds: &[f64], epsilons: usize, levels: &[f64]) -> Result<(), String> {
+        let all = |place: String, curves: &[Curve]| {
+            invariant::length(&place, curves, epsilons)?;
+            let mut curves = curves.iter().enumerate();
+            curves.try_for_each(|(e, curve)| curve.check(levels).map_err(|why| format!("{place}[{e}].{why}")))
+        };
+        all("temporal".to_owned(), &self.temporal)?;
+        invariant::length("detections", &self.detections, similarity_thresholds.len())?;
+        for (i, (own, threshold)) in self.detections.iter().zip(similarity_thresholds).enumerate() {
+            let place = |key: &str| format!("detections[{i}].{key}");
+            invariant::equal(&place("similarity_threshold"), &own.similarity_threshold, threshold)?;
+            all(place("by_groups"), &own.by_groups)?;
+            all(place("within_groups"), &own.within_groups)?;
+        }
+        Ok(())
+    }
 }
 
 /// What one similarity threshold makes of the same record.
