@@ -41,6 +41,12 @@ impl Stage for Cic {
     type Inputs = (Each<GroupDetection>, One<GroupSample>);
     type Output = SampledResponses;
 
+    fn check(p: &Params) -> std::result::Result<(), String> {
+        p.ship.check().map_err(|why| format!("ship.{why}"))?;
+        p.truth.check().map_err(|why| format!("truth.{why}"))?;
+        p.estimate.check().map_err(|why| format!("estimate.{why}"))
+    }
+
     fn run(p: &Params, (groups, sample): (Arc<Groups>, Arc<Sample>), here: Here<'_>) -> Result<SampledResponses> {
         let selection = Selection::new(groups.parameters(), sample.of(here.first, here.items));
         let t_p = p.sea.peak_period;

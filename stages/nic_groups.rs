@@ -12,7 +12,7 @@ use crate::sea::spectrum::Sea;
 use crate::sea::wave_field::Record;
 use crate::sea::wave_group::{Groups, Sample};
 use crate::ship::encounter::{Approach, GroupRun, max_roll_through_groups};
-use crate::ship::initial_condition::Estimate;
+use crate::ship::initial_condition::{Estimate, check_groups_ahead};
 use crate::ship::response::Truth;
 use crate::ship::roll_equation::Ship;
 use crate::ship::sample::{SampledResponses, Selection};
@@ -50,6 +50,13 @@ impl Stage for NicGroups {
     type Params = Params;
     type Inputs = (Each<GroupDetection>, One<GroupSample>);
     type Output = SampledResponses;
+
+    fn check(p: &Params) -> std::result::Result<(), String> {
+        p.ship.check().map_err(|why| format!("ship.{why}"))?;
+        p.truth.check().map_err(|why| format!("truth.{why}"))?;
+        p.estimate.check().map_err(|why| format!("estimate.{why}"))?;
+        check_groups_ahead(p.nic.groups_ahead).map_err(|why| format!("nic.{why}"))
+    }
 
     fn run(p: &Params, (groups, sample): (Arc<Groups>, Arc<Sample>), here: Here<'_>) -> Result<SampledResponses> {
         let selection = Selection::new(groups.parameters(), sample.of(here.first, here.items));

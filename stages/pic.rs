@@ -44,6 +44,12 @@ impl Stage for Pic {
     type Inputs = (Each<GroupDetection>, One<GroupSample>, One<RollEnsemble>);
     type Output = SampledResponses;
 
+    fn check(p: &Params) -> std::result::Result<(), String> {
+        p.ship.check().map_err(|why| format!("ship.{why}"))?;
+        p.truth.check().map_err(|why| format!("truth.{why}"))?;
+        p.estimate.check().map_err(|why| format!("estimate.{why}"))
+    }
+
     fn run(
         p: &Params,
         (groups, sample, ensemble): (Arc<Groups>, Arc<Sample>, Arc<Ensemble>),

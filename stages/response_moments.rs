@@ -10,6 +10,7 @@ use serde::{Deserialize, Serialize};
 use crate::engine::arrow::{All, One, PiecesOf};
 use crate::engine::error::Result;
 use crate::engine::stage::{Here, Select, Stage};
+use crate::numerics::domain::{all_within, at_most};
 use crate::sea::spectrum::Sea;
 use crate::sea::wave_field::Record;
 use crate::sea::wave_group::Groups;
@@ -24,6 +25,9 @@ use crate::stages::ground_truth::GroundTruth;
 use crate::stages::group_detection::GroupDetection;
 use crate::stages::nic::Nic;
 use crate::stages::roll_ensemble::RollEnsemble;
+
+/// Most columns of Figure 4.
+const MOST_GROUPS: u64 = 16;
 
 /// Mean and spread of R(a, l).
 pub struct ResponseMoments;
@@ -58,6 +62,13 @@ impl Stage for ResponseMoments {
     type Output = Vec<Point>;
 
     fn check(p: &Params) -> std::result::Result<(), String> {
+        p.ship.check().map_err(|why| format!("ship.{why}"))?;
+        p.truth.check().map_err(|why| format!("truth.{why}"))?;
+        p.estimate.check().map_err(|why| format!("estimate.{why}"))?;
+        let since = "each is a column of Figure 4";
+        at_most("moments.groups", p.moments.groups.len() as u64, MOST_GROUPS, since)?;
+        let longest = f64::from(p.record.periods_per_field);
+        all_within("moments.groups", p.moments.groups.as_flattened(), 0.0, longest)?;
         let positive = |pair: &[f64; 2]| pair.iter().all(|x| x.is_finite() && *x > 0.0);
         if p.moments.groups.is_empty() || !p.moments.groups.iter().all(positive) {
             return Err(format!(

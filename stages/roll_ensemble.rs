@@ -11,7 +11,7 @@ use crate::numerics::fourier::WIDTH;
 use crate::numerics::rows::Rows;
 use crate::sea::wave_field::{Record, WaveFields};
 use crate::ship::continuous_roll::{Timing, continuous_states};
-use crate::ship::initial_condition::{Ensemble, Pic};
+use crate::ship::initial_condition::{Ensemble, Pic, RollState};
 use crate::ship::response::Truth;
 use crate::ship::roll_equation::Ship;
 use crate::ship::simulation::Simulation;
@@ -36,6 +36,14 @@ impl Stage for RollEnsemble {
     type Params = Params;
     type Inputs = (All<WaveSynthesis>,);
     type Output = Ensemble;
+
+    fn check(p: &Params) -> std::result::Result<(), String> {
+        p.ship.check().map_err(|why| format!("ship.{why}"))?;
+        p.truth.check().map_err(|why| format!("truth.{why}"))?;
+        let states = p.ship.epsilon_1.len() as u64 * u64::from(p.record.envelope_samples_per_period);
+        let bytes = states * size_of::<RollState>() as u64;
+        p.pic.check(bytes).map_err(|why| format!("pic.{why}"))
+    }
 
     fn run(p: &Params, (record,): (PiecesOf<'_, WaveFields>,), _: Here<'_>) -> Result<Ensemble> {
         let samples = p.record.samples();

@@ -2,7 +2,7 @@
 
 use std::fmt::Display;
 use std::fs::{self, File};
-use std::io::Write;
+use std::io::{ErrorKind, Write};
 use std::path::Path;
 
 /// Why nothing was done.
@@ -80,5 +80,13 @@ pub(crate) fn write(path: &Path, text: &str) -> Result<(), Refusal> {
         file.persist(path)?;
         File::open(folder)?.sync_all()
     };
-    written().map_err(|why| refusal(path.display(), "to write it", why, "make room and call again"))
+    written().map_err(|why| {
+        let next = match why.kind() {
+            ErrorKind::StorageFull | ErrorKind::QuotaExceeded => "make room and call again",
+            ErrorKind::PermissionDenied | ErrorKind::ReadOnlyFilesystem => "allow writing to its folder and call again",
+            ErrorKind::NotFound | ErrorKind::NotADirectory => "make its folder and call again",
+            _ => "mend that and call again",
+        };
+        refusal(path.display(), "to write it", why, next)
+    })
 }

@@ -25,6 +25,7 @@ use crate::engine::manifest;
 use crate::engine::object;
 use crate::engine::record::{Record, opened};
 use crate::engine::store::path_in;
+use crate::engine::threads::pool;
 
 /// Bytes read at a time: a share of a second-level cache.
 const BUFFER: usize = 256 << 10;
@@ -81,10 +82,7 @@ type Check<'a> = dyn Fn(&Path) -> std::result::Result<(), String> + Sync + 'a;
 /// A store that is not there, or a folder that cannot be read or written.
 pub fn audit(root: &Path, workers: usize, heard: &Heard<'_>) -> Result<Audit> {
     fs::read_dir(root).map_err(Error::io("read the store", root))?;
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(workers)
-        .build()
-        .map_err(|why| Error::Usage(format!("-j {workers}: cannot start the workers: {why}")))?;
+    let pool = pool(workers)?;
     // A record is written after its object: listed first, none of them waits for an object yet to come.
     let records = files_in(&root.join("records"))?;
     let parts = files_in(&root.join("parts"))?;

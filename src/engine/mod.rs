@@ -53,7 +53,8 @@
 //! Order of reading: `stage`, `arrow`, `node`; `case`, `params`, `pipeline`, `graph`; `key`, `code`, `run`, `schedule`,
 //! `queue`; `store`, `disk`, `flight`, `object`, `record`, `parts`, `finite`, `stat`, `index`, `shown`, `idle`; `lock`, `verify`, `audit`,
 //! `rebuild`, `difference`, `publish`, `runs`, `gc`; `plan`, `history`, `compare`, `explain`, `why`; `revision`, `versions`;
-//! `chart`; `timing`; `stop`. What the command line names is in `target`, how parameter tables are laid over each other in `layers`.
+//! `chart`; `timing`; `stop`, `threads`. What the command line names is in `target`, how parameter tables are laid over each other in `layers`,
+//! how a key is named in `key_path`, which name is meant in `nearest`.
 
 pub mod arrow;
 pub mod audit;
@@ -80,10 +81,12 @@ pub mod id;
 pub mod idle;
 pub mod index;
 pub mod key;
+pub mod key_path;
 mod layers;
 pub mod lock;
 mod manifest;
 mod memo;
+mod nearest;
 pub mod node;
 pub mod object;
 pub mod params;
@@ -108,6 +111,7 @@ pub mod stop;
 pub mod store;
 pub mod streams;
 pub mod target;
+mod threads;
 pub mod timing;
 mod tree;
 mod twice;

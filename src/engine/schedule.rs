@@ -13,6 +13,7 @@ use crate::engine::plan::leave_what_nobody_needs;
 use crate::engine::queue::{Queue, Turn};
 use crate::engine::run::{Decision, Run};
 use crate::engine::runs;
+use crate::engine::threads::{helper, pool};
 
 /// How often the housekeeper looks around.
 const ROUND: Duration = Duration::from_millis(50);
@@ -27,12 +28,9 @@ pub fn execute(run: &Run<'_>, workers: usize) -> Result<()> {
     run.tell(&Event::DidPlan { nodes: nodes.collect() });
     leave_what_nobody_needs(run);
     let queue = Queue::new(run.graph);
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(workers)
-        .build()
-        .map_err(|why| Error::Usage(format!("-j {workers}: cannot start the workers: {why}")))?;
+    let pool = pool(workers)?;
     std::thread::scope(|scope| {
-        scope.spawn(|| keep_house(run, &queue));
+        helper(scope, || keep_house(run, &queue))?;
         pool.broadcast(|_| {
             while let Some((node, piece)) = queue.take(run) {
                 // A piece that is never finished would keep the other workers waiting.
@@ -42,7 +40,8 @@ pub fn execute(run: &Run<'_>, workers: usize) -> Result<()> {
             }
         });
         queue.close();
-    });
+        Ok(())
+    })?;
     let flushed = run.store.flush();
     let verdict = queue.verdict(run.graph).and(flushed);
     match verdict {

@@ -7,6 +7,7 @@ mod finite;
 mod gc;
 mod hits;
 mod index;
+mod keys;
 mod locks;
 mod on_request;
 mod params;

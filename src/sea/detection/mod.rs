@@ -14,6 +14,7 @@
 //! in `fit`; (6) removal of overlaps in `prune`; (7) units here. Tested in `tests/physics/detection.rs`.
 
 pub mod bell;
+pub mod counts;
 pub mod fit;
 pub mod prune;
 pub mod refine;
