@@ -45,7 +45,16 @@ impl Stage for CalibrationFields {
     fn check(p: &Params) -> std::result::Result<(), String> {
         p.sea.check().map_err(|why| format!("sea.{why}"))?;
         p.record.check().map_err(|why| format!("record.{why}"))?;
-        p.detection.check().map_err(|why| format!("detection.{why}"))
+        let lead_in = p.record.check_lead_in(p.sea.peak_period);
+        lead_in.map_err(|why| format!("record.{why}"))?;
+        p.detection.check().map_err(|why| format!("detection.{why}"))?;
+        let found = p.calibration.other_similarity_threshold;
+        if (0.0..1.0).contains(&found) {
+            return Ok(());
+        }
+        Err(format!(
+            "calibration.other_similarity_threshold: expected 0 to below 1, found {found}"
+        ))
     }
 
     fn resolution(p: &Params) -> std::result::Result<Vec<String>, String> {

@@ -50,6 +50,12 @@ impl Stage for Cic {
         output.check(&p.ship.epsilon_1, (items.end - items.start) as usize, p.truth.capsize_angle)
     }
 
+    fn check(p: &Params) -> std::result::Result<(), String> {
+        p.ship.check().map_err(|why| format!("ship.{why}"))?;
+        p.truth.check().map_err(|why| format!("truth.{why}"))?;
+        p.estimate.check().map_err(|why| format!("estimate.{why}"))
+    }
+
     fn run(p: &Params, (groups, sample): (Arc<Groups>, Arc<Sample>), here: Here<'_>) -> Result<SampledResponses> {
         let places = sample.of(here.first, &groups).map_err(Error::stage)?;
         let selection = Selection::new(groups.parameters(), places);

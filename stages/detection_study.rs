@@ -10,6 +10,7 @@ use serde::{Deserialize, Serialize};
 use crate::engine::arrow::{All, PiecesOf};
 use crate::engine::error::Result;
 use crate::engine::stage::{Here, Select, Stage};
+use crate::numerics::domain::at_most;
 use crate::numerics::fourier::WIDTH;
 use crate::numerics::rows::Rows;
 use crate::sea::detection::{Detection, detect};
@@ -25,6 +26,9 @@ use crate::ship::temporal::{Counts, DetectionStudy, StudiedDetection};
 use crate::stages::axes::SEA;
 use crate::stages::resolution::{Waves, of_roll};
 use crate::stages::wave_synthesis::WaveSynthesis;
+
+/// Most similarity thresholds of the study.
+const MOST_THRESHOLDS: u64 = 32;
 
 /// Probability by groups and by time against the similarity threshold.
 pub struct DetectionVaried;
@@ -59,7 +63,11 @@ impl Stage for DetectionVaried {
     type Output = DetectionStudy;
 
     fn check(p: &Params) -> std::result::Result<(), String> {
+        p.ship.check().map_err(|why| format!("ship.{why}"))?;
+        p.truth.check().map_err(|why| format!("truth.{why}"))?;
         let thresholds = &p.detection_study.similarity_thresholds;
+        let since = "the record is detected and rolled anew for each";
+        at_most("detection_study.similarity_thresholds", thresholds.len() as u64, MOST_THRESHOLDS, since)?;
         if p.detection_study.fields == 0 || thresholds.is_empty() {
             return Err("detection_study: expected fields >= 1 and a similarity threshold, found none".to_owned());
         }

@@ -11,6 +11,7 @@ use crate::engine::error::Result;
 use crate::engine::stage::{Here, Stage};
 use crate::numerics::density::{Grid, kernel_density};
 use crate::numerics::invariant;
+use crate::numerics::domain::{all_within, at_most};
 use crate::numerics::sums::{mean, standard_deviation};
 use crate::sea::spectrum::Sea;
 use crate::sea::statistics::Statistics;
@@ -52,6 +53,11 @@ impl DensityTable {
     }
 }
 
+/// Largest coordinate of the density, and of the inverse of its bandwidth.
+const LARGEST: f64 = 1e6;
+/// Most summands of the density: minutes.
+const MOST_SUMMANDS: u64 = 200_000_000_000;
+
 impl Stage for GroupStatistics {
     const NAME: &'static str = "group_statistics";
     const PAPER: &'static str = "§2";
@@ -70,6 +76,8 @@ impl Stage for GroupStatistics {
                 ));
             }
         }
+        all_within("density.l_over_tp", &density.l_over_tp, -LARGEST, LARGEST)?;
+        all_within("density.a_over_hs", &density.a_over_hs, -LARGEST, LARGEST)?;
         if !density.bandwidth.iter().all(|b| b.is_finite() && *b > 0.0) {
             return Err(format!(
                 "density.bandwidth: expected two numbers > 0, found {:?}",
@@ -79,6 +87,10 @@ impl Stage for GroupStatistics {
         if !(2..=1024).contains(&density.points) {
             return Err(format!("density.points: expected 2 to 1024, found {}", density.points));
         }
+        all_within("density.bandwidth", &density.bandwidth, 1.0 / LARGEST, LARGEST)?;
+        let points = u64::from(density.points) * u64::from(density.points);
+        let since = format!("each is added at up to {points} points");
+        at_most("density.groups", u64::from(density.groups), MOST_SUMMANDS / points, &since)?;
         Ok(())
     }
 

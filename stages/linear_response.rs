@@ -10,6 +10,7 @@ use crate::design::settings::Case;
 use crate::engine::arrow::{Each, One};
 use crate::engine::error::{Error, Result};
 use crate::engine::stage::{Here, Pieces, Select, Stage};
+use crate::numerics::domain::at_most;
 use crate::numerics::fourier::{Synthesis, WIDTH};
 use crate::sea::wave_field::{Record, WaveFields};
 use crate::sea::wave_group::{Groups, Sample};
@@ -26,6 +27,9 @@ pub struct LinearResponse;
 
 /// Largest amplitude of the harmonic balance, in theta_t.
 const LARGEST: f64 = 10.0;
+
+/// Most amplitudes.
+const MOST_AMPLITUDES: u64 = 32;
 
 /// Parameters of the linear response.
 #[derive(Serialize, Deserialize)]
@@ -63,7 +67,11 @@ impl Stage for LinearResponse {
     type Output = LinearResponses;
 
     fn check(p: &Params) -> std::result::Result<(), String> {
+        p.ship.check().map_err(|why| format!("ship.{why}"))?;
+        p.truth.check().map_err(|why| format!("truth.{why}"))?;
         let found = &p.linear_response.amplitudes;
+        let since = "the waves of every group go through an oscillator for each";
+        at_most("linear_response.amplitudes", found.len() as u64, MOST_AMPLITUDES, since)?;
         if !found.is_empty() && found.iter().all(|a| *a > 0.0 && *a <= LARGEST) {
             return Ok(());
         }

@@ -16,7 +16,7 @@ use crate::numerics::rows::Rows;
 use crate::sea::wave_field::{Record, WaveFields};
 use crate::sea::wave_group::{Groups, Sample};
 use crate::ship::encounter::{Approach, RecordRun, max_roll_along_record, max_roll_through_groups};
-use crate::ship::initial_condition::{Estimate, Nic as NicTable, NicInput};
+use crate::ship::initial_condition::{Estimate, Nic as NicTable, NicInput, check_groups_ahead};
 use crate::ship::response::Truth;
 use crate::ship::roll_equation::Ship;
 use crate::ship::sample::{SampledResponses, Selection};
@@ -55,6 +55,13 @@ impl Stage for Nic {
 
     fn check_output(p: &Params, items: Range<u64>, output: &SampledResponses) -> std::result::Result<(), String> {
         output.check(&p.ship.epsilon_1, (items.end - items.start) as usize, p.truth.capsize_angle)
+    }
+
+    fn check(p: &Params) -> std::result::Result<(), String> {
+        p.ship.check().map_err(|why| format!("ship.{why}"))?;
+        p.truth.check().map_err(|why| format!("truth.{why}"))?;
+        p.estimate.check().map_err(|why| format!("estimate.{why}"))?;
+        check_groups_ahead(p.nic.groups_ahead).map_err(|why| format!("nic.{why}"))
     }
 
     fn run(

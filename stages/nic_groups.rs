@@ -12,7 +12,7 @@ use crate::engine::stage::{Here, Pieces, Stage};
 use crate::sea::wave_field::Record;
 use crate::sea::wave_group::{Groups, Sample};
 use crate::ship::encounter::{Approach, GroupRun, max_roll_through_groups};
-use crate::ship::initial_condition::Estimate;
+use crate::ship::initial_condition::{Estimate, check_groups_ahead};
 use crate::ship::response::Truth;
 use crate::ship::roll_equation::Ship;
 use crate::ship::sample::{SampledResponses, Selection};
@@ -58,6 +58,13 @@ impl Stage for NicGroups {
 
     fn check_output(p: &Params, items: Range<u64>, output: &SampledResponses) -> std::result::Result<(), String> {
         output.check(&p.ship.epsilon_1, (items.end - items.start) as usize, p.truth.capsize_angle)
+    }
+
+    fn check(p: &Params) -> std::result::Result<(), String> {
+        p.ship.check().map_err(|why| format!("ship.{why}"))?;
+        p.truth.check().map_err(|why| format!("truth.{why}"))?;
+        p.estimate.check().map_err(|why| format!("estimate.{why}"))?;
+        check_groups_ahead(p.nic.groups_ahead).map_err(|why| format!("nic.{why}"))
     }
 
     fn run(p: &Params, (groups, sample): (Arc<Groups>, Arc<Sample>), here: Here<'_>) -> Result<SampledResponses> {

@@ -53,6 +53,12 @@ impl Stage for Pic {
         output.check(&p.ship.epsilon_1, (items.end - items.start) as usize, p.truth.capsize_angle)
     }
 
+    fn check(p: &Params) -> std::result::Result<(), String> {
+        p.ship.check().map_err(|why| format!("ship.{why}"))?;
+        p.truth.check().map_err(|why| format!("truth.{why}"))?;
+        p.estimate.check().map_err(|why| format!("estimate.{why}"))
+    }
+
     fn run(
         p: &Params,
         (groups, sample, ensemble): (Arc<Groups>, Arc<Sample>, Arc<Ensemble>),

@@ -11,6 +11,7 @@ use crate::design::settings::Case;
 use crate::engine::arrow::One;
 use crate::engine::error::{Error, Result};
 use crate::engine::stage::{Here, Pieces, Select, Stage};
+use crate::numerics::domain::at_most;
 use crate::stages::axes::SEA;
 use crate::stages::response_pool::ResponsePool;
 
@@ -40,6 +41,11 @@ pub struct Sizes {
     samples: Vec<u32>,
 }
 
+/// Most points of a line of Figure 5.
+const MOST_SIZES: u64 = 1000;
+/// Most groups drawn in one realisation.
+const MOST_SAMPLES: u64 = 1_000_000;
+
 impl Stage for RandomSampling {
     const NAME: &'static str = "random_sampling";
     const PAPER: &'static str = "§4";
@@ -52,6 +58,12 @@ impl Stage for RandomSampling {
 
     fn check(p: &Params) -> std::result::Result<(), String> {
         let samples = &p.random_sampling.samples;
+        let (number, largest) = (samples.len() as u64, u64::from(samples.last().copied().unwrap_or(0)));
+        at_most("random_sampling.samples", number, MOST_SIZES, "each is a point of Figure 5")
+            .map_err(|why| format!("{why} numbers"))?;
+        at_most("random_sampling.samples", largest, MOST_SAMPLES, "every realisation draws so many")?;
+        let total = u64::from(p.vhgp_seq.total);
+        at_most("vhgp_seq.total", total, MOST_SAMPLES, "every realisation draws so many")?;
         let ascending = samples.windows(2).all(|pair| pair[0] < pair[1]);
         let ok = ascending && samples.first().is_some_and(|first| *first > 0);
         if ok {

@@ -12,6 +12,8 @@ use crate::engine::arrow::{All, One, PiecesOf};
 use crate::engine::error::{Error, Result};
 use crate::engine::stage::{Here, Select, Stage};
 use crate::numerics::invariant;
+use crate::numerics::domain::{all_within, at_most};
+use crate::sea::spectrum::Sea;
 use crate::sea::wave_field::Record;
 use crate::sea::wave_group::Groups;
 use crate::ship::encounter::{Approach, Encounter, GroupRun, max_roll_through_groups};
@@ -27,6 +29,9 @@ use crate::stages::group_detection::GroupDetection;
 use crate::stages::nic::Nic;
 use crate::stages::resolution::{Waves, of_roll};
 use crate::stages::roll_ensemble::RollEnsemble;
+
+/// Most columns of Figure 4.
+const MOST_GROUPS: u64 = 16;
 
 /// Mean and spread of R(a, l).
 pub struct ResponseMoments;
@@ -64,6 +69,13 @@ impl Stage for ResponseMoments {
     type Output = Vec<Point>;
 
     fn check(p: &Params) -> std::result::Result<(), String> {
+        p.ship.check().map_err(|why| format!("ship.{why}"))?;
+        p.truth.check().map_err(|why| format!("truth.{why}"))?;
+        p.estimate.check().map_err(|why| format!("estimate.{why}"))?;
+        let since = "each is a column of Figure 4";
+        at_most("moments.groups", p.moments.groups.len() as u64, MOST_GROUPS, since)?;
+        let longest = f64::from(p.record.periods_per_field);
+        all_within("moments.groups", p.moments.groups.as_flattened(), 0.0, longest)?;
         let positive = |pair: &[f64; 2]| pair.iter().all(|x| x.is_finite() && *x > 0.0);
         if p.moments.groups.is_empty() || !p.moments.groups.iter().all(positive) {
             return Err(format!(

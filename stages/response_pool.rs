@@ -13,7 +13,12 @@ use crate::engine::arrow::{All, PiecesOf};
 use crate::engine::error::{Error, Result};
 use crate::engine::stage::{Here, Select, Stage};
 use crate::numerics::invariant;
+use crate::numerics::fourier::WIDTH;
+use crate::sea::detection::Detection;
+use crate::sea::detection::counts::Counts;
+use crate::sea::envelope::Envelopes;
 use crate::sea::spectrum::Sea;
+use crate::sea::wave_field::{Record, WaveFields};
 use crate::ship::sample::SampledResponses;
 use crate::stages::axes::SEA;
 use crate::stages::nic::Nic;
@@ -26,7 +31,25 @@ pub struct ResponsePool;
 pub struct Params {
     ship: Excitations,
     sea: Sea,
+    record: Record,
+    detection: Detection,
     vhgp_seq: Input,
+}
+
+/// Fields that are looked at to say why there is no group.
+const LOOKED_AT: u64 = WIDTH as u64;
+
+impl Params {
+    /// Why no group was detected: what the detection leaves, step by step, of a few fields drawn for this message alone.
+    fn no_group(&self, here: &Here<'_>) -> String {
+        let streams = (0..LOOKED_AT).map(|item| here.stream(item));
+        let waves = WaveFields::draw(&self.sea, &self.record, streams);
+        let counts = Counts::of(&Envelopes::of(&waves, &self.record), &self.detection);
+        format!(
+            "no wave group was detected, so nothing can be sampled: {counts}; {}",
+            counts.remedy()
+        )
+    }
 }
 
 /// The part of the ship that the design chooses from.
@@ -75,7 +98,7 @@ impl Stage for ResponsePool {
         output.check(p.vhgp_seq.grid[0] as usize * p.vhgp_seq.grid[1] as usize)
     }
 
-    fn run(p: &Params, (nic,): (PiecesOf<'_, SampledResponses>,), _: Here<'_>) -> Result<Pool> {
+    fn run(p: &Params, (nic,): (PiecesOf<'_, SampledResponses>,), here: Here<'_>) -> Result<Pool> {
         let (mut epsilon_1, mut points, mut r) = (0.0, Vec::new(), Vec::new());
         for piece in nic.iter() {
             let piece = piece?;
@@ -93,9 +116,7 @@ impl Stage for ResponsePool {
             r.extend(own.iter().flatten());
         }
         if points.is_empty() {
-            return Err(Error::stage(
-                "no wave group was detected, so nothing can be sampled; expected a longer record",
-            ));
+            return Err(Error::stage(p.no_group(&here)));
         }
         let grid = Grid {
             lower: p.vhgp_seq.domain.map(|range| range[0]),

@@ -13,7 +13,7 @@ use crate::numerics::fourier::WIDTH;
 use crate::numerics::rows::Rows;
 use crate::sea::wave_field::{Record, WaveFields};
 use crate::ship::continuous_roll::{Timing, continuous_states};
-use crate::ship::initial_condition::{Ensemble, Pic};
+use crate::ship::initial_condition::{Ensemble, Pic, RollState};
 use crate::ship::response::Truth;
 use crate::ship::roll_equation::Ship;
 use crate::ship::simulation::Simulation;
@@ -48,6 +48,14 @@ impl Stage for RollEnsemble {
 
     fn check_output(p: &Params, _: Range<u64>, output: &Ensemble) -> std::result::Result<(), String> {
         output.check(&p.ship.epsilon_1, p.truth.capsize_angle)
+    }
+
+    fn check(p: &Params) -> std::result::Result<(), String> {
+        p.ship.check().map_err(|why| format!("ship.{why}"))?;
+        p.truth.check().map_err(|why| format!("truth.{why}"))?;
+        let states = p.ship.epsilon_1.len() as u64 * u64::from(p.record.envelope_samples_per_period);
+        let bytes = states * size_of::<RollState>() as u64;
+        p.pic.check(bytes).map_err(|why| format!("pic.{why}"))
     }
 
     fn run(p: &Params, (record,): (PiecesOf<'_, WaveFields>,), _: Here<'_>) -> Result<Ensemble> {

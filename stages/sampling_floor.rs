@@ -12,6 +12,7 @@ use crate::design::settings::Case;
 use crate::engine::arrow::{All, One, PiecesOf};
 use crate::engine::error::{Error, Result};
 use crate::engine::stage::{Here, Select, Stage};
+use crate::numerics::domain::{at_most, mesh};
 use crate::numerics::elementary::ln;
 use crate::ship::linear_response::LinearResponses;
 use crate::stages::axes::SEA;
@@ -51,6 +52,9 @@ pub struct Settings {
     degree: u32,
 }
 
+/// Highest degree of the polynomials: 66 monomials.
+const HIGHEST_DEGREE: u64 = 10;
+
 impl Stage for SamplingFloor {
     const NAME: &'static str = "sampling_floor";
     const PAPER: &'static str = "§4";
@@ -62,6 +66,9 @@ impl Stage for SamplingFloor {
 
     fn check(p: &Params) -> std::result::Result<(), String> {
         let settings = &p.sampling_floor;
+        mesh("sampling_floor.nodes", settings.nodes)?;
+        let since = "the design is sought among all monomials up to it";
+        at_most("sampling_floor.degree", u64::from(settings.degree), HIGHEST_DEGREE, since)?;
         if settings.nodes.iter().any(|n| *n < 2) {
             let nodes = settings.nodes;
             return Err(format!(

@@ -34,7 +34,9 @@ impl Stage for WaveSynthesis {
 
     fn check(p: &Params) -> std::result::Result<(), String> {
         p.sea.check().map_err(|why| format!("sea.{why}"))?;
-        p.record.check().map_err(|why| format!("record.{why}"))
+        p.record.check().map_err(|why| format!("record.{why}"))?;
+        let lead_in = p.record.check_lead_in(p.sea.peak_period);
+        lead_in.map_err(|why| format!("record.{why}"))
     }
 
     fn resolution(p: &Params) -> std::result::Result<Vec<String>, String> {

@@ -74,6 +74,11 @@ pub struct Settings {
     pub known: Vec<Known>,
 }
 
+/// Largest magnitude of a coefficient, and of its inverse.
+const MAGNITUDE: f64 = 1e9;
+/// Most candidates of a generation per coefficient, generations and rounds.
+const MOST_ROUNDS: u64 = 1000;
+
 /// A number has no more significant digits.
 const MOST_DIGITS: u32 = 17;
 
@@ -94,6 +99,21 @@ impl Settings {
     pub fn check(&self) -> Result<(), String> {
         if let Some([low, high]) = self.bounds.iter().find(|[low, high]| !(*low > 0.0 && low < high)) {
             return Err(format!("bounds: expected pairs 0 < low < high, found [{low}, {high}]"));
+        }
+        domain::all_within("bounds", self.bounds.as_flattened(), 1.0 / MAGNITUDE, MAGNITUDE)?;
+        for known in &self.known {
+            domain::all_within("known", &known.values, 1.0 / MAGNITUDE, MAGNITUDE)?;
+        }
+        let since = "the time of the study grows with it";
+        for (key, found) in [
+            ("population", self.population),
+            ("generations", self.generations),
+            ("polish_rounds", self.polish_rounds),
+        ] {
+            domain::at_most(key, u64::from(found), MOST_ROUNDS, since)?;
+        }
+        if self.reading_changes.is_empty() {
+            return Err("reading_changes: expected at least one name of a coefficient, found none".to_owned());
         }
         if let Some(name) = self.reading_changes.iter().find(|name| !NAMES.contains(&name.as_str())) {
             return Err(format!("reading_changes: expected names of coefficients, found {name}"));

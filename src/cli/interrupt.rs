@@ -4,7 +4,11 @@
 //! kernel, so nothing is to be cleaned up. Tested in `tests/reliability/kill.rs`.
 
 use std::path::PathBuf;
+#[cfg(unix)]
+use std::sync::mpsc::channel;
 use std::sync::{Mutex, MutexGuard, PoisonError};
+#[cfg(unix)]
+use std::thread::Builder;
 use std::time::Duration;
 
 #[cfg(unix)]
@@ -26,13 +30,22 @@ const GRACE: Duration = Duration::from_millis(700);
 /// A folder that goes with the process.
 static TEMPORARY: Mutex<Option<PathBuf>> = Mutex::new(None);
 
-/// Listens to Ctrl-C, SIGTERM and SIGHUP; where that cannot be done, they end the process as they always do. A SIGHUP that
-/// was ignored when the process began, as by `nohup`, stays so.
+/// Listens to Ctrl-C, SIGTERM and SIGHUP; where that cannot be done, also for want of a thread, they end the process as they
+/// always do. A SIGHUP that was ignored when the process began, as by `nohup`, stays so.
 #[cfg(unix)]
 pub(super) fn listen() {
     let hangup = (!ignores_hangup()).then_some(SIGHUP);
-    if let Ok(mut signals) = Signals::new([SIGINT, SIGTERM].into_iter().chain(hangup)) {
-        std::thread::spawn(move || signals.forever().next().map(|_| end()));
+    let (listening, is_listening) = channel();
+    let listener = Builder::new().spawn(move || {
+        // Only the thread that will answer takes the signals from the system: without it they would be lost.
+        let signals = Signals::new([SIGINT, SIGTERM].into_iter().chain(hangup));
+        let _ = listening.send(());
+        if let Ok(mut signals) = signals {
+            signals.forever().next().map(|_| end());
+        }
+    });
+    if listener.is_ok() {
+        let _ = is_listening.recv();
     }
 }
 

@@ -7,7 +7,7 @@ use super::input_density::Grid;
 use super::response_scale::ResponseScale;
 use super::sequential::{Design, Plan};
 use crate::gp::fit::{Fitting, KernelSpan};
-use crate::numerics::domain::{count, non_negative, positive};
+use crate::numerics::domain::{all_within, at_most, count, mesh, non_negative, positive};
 use serde::{Deserialize, Serialize};
 
 /// One row of Table 1: a sea and its threshold.
@@ -72,6 +72,8 @@ impl VhgpSeq {
             let (total, initial) = (self.total, self.initial);
             return Err(format!("total: expected at least initial = {initial}, found {total}"));
         }
+        sizes(self.total, self.batch, self.neighbours)?;
+        all_within("domain", self.domain.as_flattened(), -COORDINATE, COORDINATE)?;
         for (d, [from, to]) in self.domain.into_iter().enumerate() {
             if !(from < to && from.is_finite() && to.is_finite()) {
                 return Err(format!(
@@ -83,12 +85,10 @@ impl VhgpSeq {
             if !pair.iter().all(|v| v.is_finite() && *v > 0.0) {
                 return Err(format!("{key}: expected numbers > 0, found {pair:?}"));
             }
+            all_within(key, &pair, 1.0 / COORDINATE, COORDINATE)?;
         }
-        for (key, size) in [("grid", self.grid), ("quadrature", self.quadrature)] {
-            if size.contains(&0) {
-                return Err(format!("{key}: expected whole numbers >= 1, found {size:?}"));
-            }
-        }
+        mesh("grid", self.grid)?;
+        mesh("quadrature", self.quadrature)?;
         if let Some(case) = self.case.iter().find(|case| case.theta_t >= self.cap) {
             let (sea, theta_t, cap) = (&case.sea, case.theta_t, self.cap);
             return Err(format!(
@@ -160,8 +160,25 @@ impl Shared {
     /// # Errors
     /// A sentence naming the key, what was expected and what was found.
     pub fn check(&self) -> Result<(), String> {
+        sizes(self.total, 1, self.neighbours)?;
         self.fit.check(2)
     }
+}
+
+/// Most samples of a realisation; the paper has 120.
+const MOST_SAMPLES: u64 = 1000;
+/// Most inputs from among which a response is drawn.
+const MOST_NEIGHBOURS: u64 = 10_000;
+/// Largest magnitude of a coordinate, and of the inverse of a distance between two.
+const COORDINATE: f64 = 1e6;
+
+/// Refuses sizes with which a realisation would not end.
+fn sizes(total: u32, batch: u32, neighbours: u32) -> Result<(), String> {
+    let cube = "the time of every fit grows with the cube of the samples";
+    at_most("total", u64::from(total), MOST_SAMPLES, cube)?;
+    at_most("batch", u64::from(batch), MOST_SAMPLES, "no realisation has more samples")?;
+    let sorted = "every draw sorts so many groups";
+    at_most("neighbours", u64::from(neighbours), MOST_NEIGHBOURS, sorted)
 }
 
 /// Below, nothing moves; above, nothing holds.
@@ -230,12 +247,9 @@ impl LookAhead {
         if !self.tau.iter().all(|v| v.is_finite() && *v >= 0.0) {
             return Err(format!("tau: expected numbers >= 0, found {:?}", self.tau));
         }
-        if self.quadrature.contains(&0) {
-            return Err(format!(
-                "quadrature: expected whole numbers >= 1, found {:?}",
-                self.quadrature
-            ));
-        }
+        all_within("tau", &self.tau, 0.0, COORDINATE)?;
+        at_most("batch", u64::from(self.batch), MOST_SAMPLES, "no realisation has more samples")?;
+        mesh("quadrature", self.quadrature)?;
         if self.cap <= 1.0 {
             return Err(format!("cap: expected more than 1 (theta_t), found {}", self.cap));
         }

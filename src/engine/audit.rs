@@ -25,6 +25,7 @@ use crate::engine::names::{At, Folder, Place};
 use crate::engine::object;
 use crate::engine::record::{Record, opened};
 use crate::engine::store::Store;
+use crate::engine::threads::pool;
 
 /// What an audit found.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
@@ -101,10 +102,7 @@ struct Named {
 /// # Errors
 /// A folder that cannot be read.
 pub fn audit(store: &Store, workers: usize, heard: &Heard<'_>) -> Result<Audit> {
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(workers)
-        .build()
-        .map_err(|why| Error::Usage(format!("-j {workers}: cannot start the workers: {why}")))?;
+    let pool = pool(workers)?;
     let root = store.files().list(&At::root());
     root.map_err(Error::io("read the store", store.root()))?;
     // A record is written after its object: listed first, none of them waits for an object yet to come.

@@ -9,6 +9,7 @@ use serde_json::Value;
 use crate::engine::arrow::Kind;
 use crate::engine::history::History;
 use crate::engine::key::KEY_SCHEMA;
+use crate::engine::key_path::KeyPath;
 use crate::engine::parts::{CodePart, CrateVersion, InputPart, ParamsPart, code_part, inputs_part, params_part};
 use crate::engine::reason::Reason;
 use crate::engine::record::Record;
@@ -116,7 +117,7 @@ impl Side<'_> {
             reasons.insert(Reason::Seed {
                 old: old.seed,
                 new: graph.seed,
-                origin: graph.params.origin("run.seed").to_owned(),
+                origin: graph.params.origin(&KeyPath::of("run.seed")),
             });
         }
         if old.code != self.present.code {
@@ -156,7 +157,7 @@ impl Side<'_> {
             name: name.clone(),
             old: shown(old.get(name)),
             new: shown(new.get(name)),
-            origin: self.run.graph.params.origin(name).to_owned(),
+            origin: self.run.graph.params.origin(&KeyPath::of(name)),
         };
         changed.map(reason).collect()
     }

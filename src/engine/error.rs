@@ -44,6 +44,9 @@ pub enum Error {
         /// The operating system's answer.
         source: std::io::Error,
     },
+    /// A system that gives no thread.
+    #[error("cannot start a thread: {0}; end other processes of this user, or allow it more (`ulimit -u`)")]
+    NoThread(#[source] std::io::Error),
     /// Somebody asked the run to end.
     #[error("interrupted; what is finished is kept, the next run goes on from there")]
     Interrupted,
@@ -157,7 +160,7 @@ impl Error {
             Self::Usage(_) => 2,
             Self::Difference(_) => 3,
             Self::NotReproducible { .. } | Self::OtherBits(_) => 4,
-            Self::Io { .. } | Self::Full { .. } | Self::Damaged { .. } | Self::Distrusted { .. } => 5,
+            Self::Io { .. } | Self::Full { .. } | Self::NoThread(_) | Self::Damaged { .. } | Self::Distrusted { .. } => 5,
             Self::Interrupted => 130,
         }
     }

@@ -7,8 +7,10 @@ use crate::engine::case::{Axis, Case};
 use crate::engine::code;
 use crate::engine::decode::Fault;
 use crate::engine::error::{Error, Result};
+use crate::engine::key_path::KeyPath;
+use crate::engine::nearest::nearest;
 use crate::engine::node::{Decoded, Node};
-use crate::engine::params::{ParamsFile, nearest};
+use crate::engine::params::ParamsFile;
 use crate::engine::pipeline::{Checked, Pipeline};
 use crate::engine::stage::{Pieces, Select};
 use crate::engine::streams::Streams;
@@ -77,6 +79,9 @@ impl NodeCase {
     }
 }
 
+/// The most pieces of a graph: the plan of a run takes a few hundred bytes for each. The paper's has 10,500.
+const MOST_PIECES: u64 = 250_000;
+
 type Slot = (usize, Vec<usize>);
 
 struct Builder<'a> {
@@ -118,6 +123,7 @@ impl Graph {
         }
         let places = builder.wanted.keys().map(|(place, _)| *place).collect();
         pipeline.check_rules(params, &checked, &places)?;
+        builder.check_size()?;
         let mut graph = builder.link(&asked, checked)?;
         graph.warnings = graph.resolution(pipeline)?;
         targets.iter().try_for_each(|target| graph.check_piece(target))?;
@@ -334,7 +340,8 @@ impl<'a> Builder<'a> {
         })?;
         for select in upstream.selects() {
             if let Select::Rows(selected, path) = select {
-                let rows = self.params.get(path).and_then(toml::Value::as_array);
+                let path = KeyPath::of(path);
+                let rows = self.params.get(&path).and_then(toml::Value::as_array);
                 let named = |row: &toml::Value| row.get(axis.table).and_then(toml::Value::as_str) == Some(value);
                 if *selected == axis && !rows.is_some_and(|rows| rows.iter().any(named)) {
                     let message = format!(
@@ -342,11 +349,48 @@ impl<'a> Builder<'a> {
                         axis.table,
                         node.name()
                     );
-                    return Err(self.params.refuse(path, &message));
+                    return Err(self.params.refuse(&path, &message));
                 }
             }
         }
         Ok(vec![value.to_owned()])
+    }
+
+    /// Counts the pieces of all wanted nodes before any of them is made.
+    fn check_size(&self) -> Result<()> {
+        let mut of_keys: BTreeMap<&str, u64> = BTreeMap::new();
+        for (place, _) in self.wanted.keys() {
+            if let Some((key, size)) = self.counted_by(*place) {
+                *of_keys.entry(key).or_default() += self.params.count(key)?.div_ceil(size);
+            }
+        }
+        let total: u64 = of_keys.values().sum();
+        let largest = of_keys.iter().max_by_key(|(_, pieces)| **pieces);
+        let Some((key, pieces)) = largest.filter(|_| total > MOST_PIECES) else {
+            return Ok(());
+        };
+        let (count, left) = (self.params.count(key)?, MOST_PIECES.saturating_sub(total - pieces));
+        let fits = u128::from(count) * u128::from(left) / u128::from(*pieces);
+        let message = format!(
+            "expected at most {fits}, since the run would have {total} pieces and its plan holds {MOST_PIECES}, found {count}"
+        );
+        Err(self.params.refuse(&KeyPath::of(key), &message))
+    }
+
+    /// The key that counts the items of a stage, its own or that of the stage it follows piece by piece, and the items of a
+    /// piece.
+    fn counted_by(&self, place: usize) -> Option<(&'static str, u64)> {
+        let node = self.pipeline.contents[place];
+        match node.pieces() {
+            Pieces::One => None,
+            Pieces::Counted(key) => Some((key, 1)),
+            Pieces::Batches(key, size) => Some((key, size)),
+            Pieces::AsUpstream => {
+                let arrows = node.arrows();
+                let (_, upstream) = arrows.iter().find(|(kind, _)| *kind == Kind::Each)?;
+                self.counted_by(self.pipeline.place(upstream.name()).filter(|up| *up < place)?)
+            }
+        }
     }
 
     fn link(self, asked: &[Slot], mut checked: Vec<Checked>) -> Result<Graph> {

@@ -51,7 +51,8 @@
 //! Order of reading: `stage`, `arrow`, `node`; `case`, `params`, `pipeline`, `graph`; `key`, `code`, `run`, `schedule`,
 //! `queue`; `store`, `disk`, `flight`, `object`, `record`, `parts`, `finite`; `lock`, `verify`, `audit`,
 //! `rebuild`, `difference`, `publish`, `runs`, `gc`; `plan`, `history`, `compare`, `explain`, `why`; `revision`, `versions`;
-//! `chart`; `timing`; `stop`. What the command line names is in `target`, how parameter tables are laid over each other in `layers`.
+//! `chart`; `timing`; `stop`, `threads`. What the command line names is in `target`, how parameter tables are laid over each other in `layers`,
+//! how a key is named in `key_path`, which name is meant in `nearest`.
 
 pub mod arrow;
 pub mod audit;
@@ -77,12 +78,14 @@ pub mod graph;
 mod history;
 pub mod id;
 pub mod key;
+pub mod key_path;
 mod layers;
 mod listing;
 pub mod lock;
 mod manifest;
 mod memo;
 pub mod names;
+mod nearest;
 pub mod node;
 pub mod object;
 pub mod params;
@@ -105,6 +108,7 @@ pub mod stop;
 pub mod store;
 pub mod streams;
 pub mod target;
+mod threads;
 pub mod timing;
 mod tree;
 mod twice;

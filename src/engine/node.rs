@@ -9,11 +9,12 @@ use std::sync::Arc;
 use crate::engine::arrow::{Inputs, Kind};
 use crate::engine::case::Axis;
 use crate::engine::codec;
-use crate::engine::decode::{Fault, decode};
+use crate::engine::decode::{Fault, What, decode};
 use crate::engine::difference::{self, Difference};
 use crate::engine::error::{Error, Result};
 use crate::engine::fields::field_names;
 use crate::engine::finite;
+use crate::engine::key_path::KeyPath;
 use crate::engine::read::Reader;
 use crate::engine::stage::{Here, Keep, Pieces, Published, Select, Stage};
 use crate::engine::tree::{Tree, tree};
@@ -28,7 +29,7 @@ pub struct Decoded {
     /// The same, encoded: what enters the key.
     pub(crate) bytes: Vec<u8>,
     /// Paths in the tables it reads that it takes no notice of.
-    pub(crate) ignored: Vec<String>,
+    pub(crate) ignored: Vec<KeyPath>,
 }
 
 /// A stage, types erased.
@@ -69,8 +70,8 @@ pub const fn node<S: Stage>() -> &'static dyn Node {
 fn fault(text: &str) -> Fault {
     let (path, message) = text.split_once(": ").unwrap_or(("", text));
     Fault {
-        path: path.to_owned(),
-        message: message.to_owned(),
+        path: KeyPath::of(path),
+        what: What::Said(message.to_owned()),
     }
 }
 
@@ -120,9 +121,9 @@ impl<S: Stage> Node for Of<S> {
     fn decode_params(&self, view: toml::Table) -> std::result::Result<Decoded, Fault> {
         let (value, ignored) = decode::<S::Params>(view)?;
         let bytes = codec::encode(&value).map_err(|error| Fault {
-            path: String::new(),
+            path: KeyPath::default(),
             // The lines after the first repeat the path.
-            message: error.to_string().lines().next().unwrap_or_default().to_owned(),
+            what: What::Said(error.to_string().lines().next().unwrap_or_default().to_owned()),
         })?;
         Ok(Decoded {
             value: Box::new(value),

@@ -3,27 +3,33 @@
 //! A stage never sees the file. It sees a view: the tables it reads, the axis tables selected by its case, without the
 //! counts, which belong to the engine.
 
-use std::collections::BTreeMap;
 use std::path::Path;
+use std::sync::Arc;
 
 use serde::Deserialize;
 use toml::de::{DeTable, Deserializer};
 use toml::{Table, Value};
 
 use crate::engine::case::{Axis, Case};
-use crate::engine::decode::Fault;
+use crate::engine::decode::{Fault, What};
 use crate::engine::disk::read_stream;
 use crate::engine::error::{Error, Result};
-use crate::engine::layers::{Lines, collect_leaves, merge, note_origins};
+use crate::engine::key_path::{KeyPath, Step, legible, printable, split_assignment};
+use crate::engine::layers::{Lines, Origins, Place, collect_leaves, merge, offsets};
+use crate::engine::nearest::{nearest, shown};
 
 /// The table of the axis values in a stage's view; no table of the file.
 pub(crate) const CASE: &str = "case";
+
+/// The most keys and list elements of one layer; the paper's own file has some 600. Every stage decodes them anew, so that a
+/// million would take minutes before the first of them was refused.
+const MOST_ENTRIES: usize = 20_000;
 
 /// The parameters in force and where each of them was written.
 #[derive(Clone, Debug, Default)]
 pub struct ParamsFile {
     values: Table,
-    origins: BTreeMap<String, String>,
+    origins: Origins,
 }
 
 impl ParamsFile {
@@ -51,97 +57,99 @@ impl ParamsFile {
     /// Lays the keys of a TOML text over those already there.
     ///
     /// # Errors
-    /// Text that is no TOML, with file, line and reason.
+    /// Text that is no TOML, or one of more than 20,000 entries, with file, line and reason.
     pub fn layer(&mut self, file: &str, text: &str) -> Result<()> {
+        let source: Arc<str> = printable(file).into();
         let lines = Lines::of(text);
+        let place = |offset: usize| Place {
+            source: Arc::clone(&source),
+            line: Some(lines.at(offset)),
+        };
         let refuse = |error: &toml::de::Error| {
-            let line = error.span().map_or(1, |span| lines.at(span.start));
-            Error::Usage(format!("{file}:{line}: expected TOML, found: {}", error.message()))
+            let at = place(error.span().map_or(0, |span| span.start));
+            Error::Usage(format!("{at}: expected TOML, found: {}", legible(error.message())))
         };
         let spanned = DeTable::parse(text).map_err(|error| refuse(&error))?;
-        note_origins(&mut self.origins, "", spanned.get_ref(), &|offset| {
-            format!("{file}:{}", lines.at(offset))
-        });
+        let entries = offsets(spanned.get_ref());
+        if let Some(offset) = entries.get(MOST_ENTRIES) {
+            let (at, found) = (place(*offset), entries.len());
+            return Err(Error::Usage(format!("{at}: {}", crowd(found))));
+        }
+        self.origins.lay(Origins::of_text(spanned.get_ref(), &place));
         let table = Table::deserialize(Deserializer::from(spanned)).map_err(|error| refuse(&error))?;
         merge(&mut self.values, table);
         Ok(())
     }
 
-    /// Applies one `table.key=value`; a bare word is taken as a string.
+    /// Applies one `table.key=value`, its path as TOML writes it; a bare word is taken as a string.
     ///
     /// # Errors
     /// No `=`, no table, or a value that is no TOML.
     pub fn set(&mut self, assignment: &str) -> Result<()> {
         let usage = |found: &str| {
             Error::Usage(format!(
-                "--set {assignment}: expected table.key=value, such as sea.S2.bandwidth=0.035, found {found}"
+                "--set {}: expected table.key=value, such as sea.S2.bandwidth=0.035, found {found}",
+                legible(assignment)
             ))
         };
-        let (path, text) = assignment.split_once('=').ok_or_else(|| usage("no `=`"))?;
-        let keys: Vec<&str> = path.trim().split('.').collect();
-        if keys.len() < 2 || keys.iter().any(|key| !is_name(key)) {
-            return Err(usage(&format!("`{path}`")));
-        }
-        let text = text.trim();
-        let bare = is_name(text)
-            && !text.starts_with(|c: char| c.is_ascii_digit())
-            && !matches!(text, "true" | "false" | "nan" | "inf");
-        let value = if bare {
-            Value::String(text.to_owned())
-        } else {
-            let line = format!("value = {text}");
-            let mut table: Table =
-                toml::from_str(&line).map_err(|error| usage(&format!("`{text}` ({})", error.message())))?;
-            let value = table.remove("value").ok_or_else(|| usage("no value"))?;
-            if !table.is_empty() {
-                return Err(usage("more than one value"));
-            }
-            value
+        let (written, text) = split_assignment(assignment).ok_or_else(|| usage("no `=`"))?;
+        let written = written.trim();
+        let path = KeyPath::parse(written);
+        let keys = path.as_ref().and_then(KeyPath::keys);
+        let keys = keys.filter(|keys| (2..=DEEPEST).contains(&keys.len()));
+        let keys = keys.ok_or_else(|| usage(&format!("`{}`", legible(written))))?;
+        let value = set_value(text.trim()).map_err(|found| usage(&found))?;
+        let place = Place {
+            source: "--set".into(),
+            line: None,
         };
-        let mut written = Vec::new();
-        if let Value::Table(inner) = &value {
-            collect_leaves(inner, path.trim(), &mut written);
-        }
         let nested = keys.iter().rev().fold(value, |inner, key| {
             Value::Table(Table::from_iter([((*key).to_owned(), inner)]))
         });
         if let Value::Table(table) = nested {
+            let mut origins = Origins::at(&place, &Value::Table(table.clone()));
+            origins.forget_place();
+            self.origins.lay(origins);
             merge(&mut self.values, table);
         }
-        for depth in 1..=keys.len() {
-            let path = keys[..depth].join(".");
-            let new = depth == keys.len() || !self.origins.contains_key(&path);
-            if new {
-                self.origins.insert(path, "--set".to_owned());
-            }
-        }
-        self.origins
-            .extend(written.into_iter().map(|path| (path, "--set".to_owned())));
         Ok(())
     }
 
-    /// The value at a dotted path.
-    pub fn get(&self, path: &str) -> Option<&Value> {
-        let mut keys = path.split('.');
-        let first = self.values.get(keys.next()?)?;
-        keys.try_fold(first, |value, key| value.as_table()?.get(key))
+    /// The value at a path.
+    pub fn get(&self, path: &KeyPath) -> Option<&Value> {
+        let (first, rest) = path.0.split_first()?;
+        let Step::Key(first) = first else { return None };
+        rest.iter().try_fold(self.values.get(first)?, |value, step| step_into(value, step))
     }
 
-    /// The place where a path, or the nearest table around it, was written: `stages/paper.toml:62`, or `--set`.
-    pub fn origin(&self, path: &str) -> &str {
-        let mut known = path;
-        while !self.origins.contains_key(known) {
-            match known.rfind(['.', '[']) {
-                Some(end) => known = &known[..end],
-                None => break,
+    /// The place where a path, or the nearest value around it, was written: `stages/paper.toml:62`, or `--set`.
+    pub fn origin(&self, path: &KeyPath) -> String {
+        let place = self.origins.find(path);
+        place.map_or_else(|| "parameters".to_owned(), ToString::to_string)
+    }
+
+    /// An error about a path, with its place. Where something else than a table stands on the way to it, that is the fault.
+    pub fn refuse(&self, path: &KeyPath, message: &str) -> Error {
+        for depth in 1..path.0.len() {
+            let on_the_way = KeyPath(path.0[..depth].to_vec());
+            let (Some(found), Step::Key(_)) = (self.get(&on_the_way), &path.0[depth]) else {
+                continue;
+            };
+            if !found.is_table() {
+                let found = format!("expected a table, found {}", shown(Some(found)));
+                return self.refuse_as_it_is(&on_the_way, &found);
             }
         }
-        self.origins.get(known).map_or("parameters", String::as_str)
+        self.refuse_as_it_is(path, message)
     }
 
-    /// An error about a path, with its place.
-    pub fn refuse(&self, path: &str, message: &str) -> Error {
-        Error::Usage(format!("{}: {path}: {message}", self.origin(path)))
+    fn refuse_as_it_is(&self, path: &KeyPath, message: &str) -> Error {
+        Error::Usage(format!(
+            "{}: {}: {}",
+            self.origin(path),
+            legible(&path.to_string()),
+            legible(message)
+        ))
     }
 
     /// The root seed.
@@ -149,15 +157,14 @@ impl ParamsFile {
     /// # Errors
     /// `run.seed` missing or no whole number >= 0.
     pub fn seed(&self) -> Result<u64> {
-        let found = self.get("run.seed");
+        let path = KeyPath::of("run.seed");
+        let found = self.get(&path);
         found
             .and_then(Value::as_integer)
             .and_then(|seed| u64::try_from(seed).ok())
             .ok_or_else(|| {
-                self.refuse(
-                    "run.seed",
-                    &format!("expected a whole number >= 0, found {}", shown(found)),
-                )
+                let message = format!("expected a whole number >= 0, found {}", shown(found));
+                self.refuse(&path, &message)
             })
     }
 
@@ -166,14 +173,15 @@ impl ParamsFile {
     /// # Errors
     /// Missing, or no whole number from 1 to 100 million.
     pub fn count(&self, path: &str) -> Result<u64> {
-        let found = self.get(path);
+        let path = KeyPath::of(path);
+        let found = self.get(&path);
         found
             .and_then(Value::as_integer)
             .and_then(|count| u64::try_from(count).ok())
             .filter(|count| (1..=100_000_000).contains(count))
             .ok_or_else(|| {
                 let message = format!("expected a whole number from 1 to 100000000, found {}", shown(found));
-                self.refuse(path, &message)
+                self.refuse(&path, &message)
             })
     }
 
@@ -182,7 +190,7 @@ impl ParamsFile {
     /// # Errors
     /// No list, an empty one, a name twice, or a name without a table.
     pub fn list(&self, axis: Axis) -> Result<Vec<String>> {
-        let path = format!("run.{}", axis.list);
+        let path = KeyPath::of("run").key(axis.list);
         let tables = self.tables(axis)?;
         let found = self.get(&path);
         let refuse = |what: String| {
@@ -196,7 +204,7 @@ impl ParamsFile {
         let entries = found.and_then(Value::as_array).ok_or_else(|| refuse(shown(found)))?;
         let mut names: Vec<String> = Vec::new();
         for entry in entries {
-            let name = entry.as_str().ok_or_else(|| refuse(shown(Some(entry))))?;
+            let name = entry.as_str().ok_or_else(|| refuse(no_name(entry, &tables)))?;
             if !tables.iter().any(|table| table == name) {
                 let hint = nearest(name, tables.iter().map(String::as_str));
                 return Err(refuse(format!("\"{name}\"{hint}")));
@@ -217,29 +225,30 @@ impl ParamsFile {
     /// # Errors
     /// No such tables, or a name with other characters than letters, digits and `_`.
     pub fn tables(&self, axis: Axis) -> Result<Vec<String>> {
-        let found = self.get(axis.table);
+        let root = KeyPath::of(axis.table);
+        let found = self.get(&root);
         let table = found.and_then(Value::as_table).ok_or_else(|| {
-            self.refuse(
-                axis.table,
-                &format!("expected tables [{}.NAME], found {}", axis.table, shown(found)),
-            )
+            let message = format!("expected tables [{}.NAME], found {}", axis.table, shown(found));
+            self.refuse(&root, &message)
         })?;
-        for name in table.keys() {
-            let path = format!("{}.{name}", axis.table);
+        for (name, value) in table {
+            let path = root.key(name);
             if !is_name(name) {
-                return Err(self.refuse(
-                    &path,
-                    "expected a name of letters, digits and `_`, since it becomes a folder",
-                ));
+                let message = "expected a name of letters, digits and `_`, since it becomes a folder";
+                return Err(self.refuse(&path, message));
+            }
+            if !value.is_table() {
+                let message = format!("expected a table [{path}], found {}", shown(Some(value)));
+                return Err(self.refuse(&path, &message));
             }
         }
         Ok(table.keys().cloned().collect())
     }
 
-    /// The dotted paths of all single values (an array counts as one, and so does an empty table).
-    pub fn leaves(&self) -> Vec<String> {
+    /// The paths of all single values (a list counts as one, and so does an empty table).
+    pub fn leaves(&self) -> Vec<KeyPath> {
         let mut paths = Vec::new();
-        collect_leaves(&self.values, "", &mut paths);
+        collect_leaves(&self.values, &KeyPath::default(), &mut paths);
         paths
     }
 
@@ -249,7 +258,7 @@ impl ParamsFile {
     pub fn view(&self, tables: &[&str], axes: &[Axis], case: &Case, counts: &[&str], rows: &[(Axis, &str)]) -> Table {
         let mut view = Table::new();
         for name in tables {
-            let table = |value: &str| self.get(&format!("{name}.{value}")).cloned();
+            let table = |value: &str| self.get(&KeyPath::of(name).key(value)).cloned();
             let value = match axes.iter().find(|axis| axis.table == *name) {
                 None => self.values.get(*name).cloned(),
                 Some(axis) => case.value(*axis).map_or_else(
@@ -297,91 +306,102 @@ impl ParamsFile {
         view
     }
 
-    /// Turns a fault in a view into an error about the file.
-    pub fn fault(&self, fault: &Fault, axes: &[Axis], case: &Case) -> Error {
-        let missing = fault
-            .message
-            .strip_prefix("missing field `")
-            .and_then(|rest| rest.split('`').next());
-        let mut path = fault.path.clone();
-        if let Some(key) = missing {
-            path = if path.is_empty() {
-                key.to_owned()
-            } else {
-                format!("{path}.{key}")
-            };
-        }
-        let path = real_path(&path, axes, case);
-        if missing.is_some() {
-            return self.refuse(&path, "expected a value, found none");
-        }
-        let named = |text: String, (table, value): &(&str, String)| {
-            text.replace(&format!("`{table}."), &format!("`{table}.{value}."))
-        };
-        self.refuse(&path, &case.values().iter().fold(plain(&fault.message), named))
-    }
-}
-
-/// The path in the file of a path in a view: `sea.bandwidth` is `sea.S2.bandwidth`.
-pub(crate) fn real_path(path: &str, axes: &[Axis], case: &Case) -> String {
-    let (table, rest) = path
-        .split_once('.')
-        .map_or((path, None), |(table, rest)| (table, Some(rest)));
-    let value = axes
-        .iter()
-        .find(|axis| axis.table == table)
-        .and_then(|axis| case.value(*axis));
-    match (value, rest) {
-        (Some(value), Some(rest)) => format!("{table}.{value}.{rest}"),
-        (Some(value), None) => format!("{table}.{value}"),
-        (None, _) => path.to_owned(),
-    }
-}
-
-/// `; nearest: x` for the candidate nearest to a word, or nothing.
-pub(crate) fn nearest<'a>(word: &str, candidates: impl Iterator<Item = &'a str>) -> String {
-    let scored = candidates.map(|candidate| (strsim::damerau_levenshtein(word, candidate), candidate));
-    scored
-        .min()
-        .map_or(String::new(), |(_, candidate)| format!("; nearest: `{candidate}`"))
-}
-
-/// A value as the reader wrote it, for an error.
-pub(crate) fn shown(value: Option<&Value>) -> String {
-    match value {
-        None => "none".to_owned(),
-        Some(Value::Table(_)) => "a table".to_owned(),
-        Some(other) => other.to_string(),
-    }
-}
-
-/// Serde's message in the order expected, found.
-fn plain(message: &str) -> String {
-    for prefix in [
-        "invalid type: ",
-        "invalid value: ",
-        "unknown variant ",
-        "unknown field ",
-        "invalid length ",
-    ] {
-        let rest = message.strip_prefix(prefix);
-        if let Some((found, expected)) = rest.and_then(|rest| rest.split_once(", expected ")) {
-            let expected = match expected {
-                "f64" => "a number",
-                "a sequence" => "a list",
-                structure if structure.starts_with("struct ") => "a table",
-                "u32" | "u64" | "i64" => "a whole number",
-                other => other,
-            };
-            let hint = if prefix.starts_with("unknown ") {
-                nearest(found.trim_matches('`'), expected.split('`').skip(1).step_by(2))
-            } else {
-                String::new()
-            };
-            return format!("expected {expected}, found {found}{hint}");
+    /// Turns a fault in the view of a case into an error about the file.
+    pub fn fault(&self, fault: &Fault, axes: &[Axis], case: &Case, rows: &[(Axis, &str)]) -> Error {
+        let path = self.real_path(&fault.path, axes, case, rows);
+        match &fault.what {
+            What::Missing(key) => self.refuse(&path.key(key), "expected a value, found none"),
+            What::Said(message) => {
+                let named = |text: String, (table, value): &(&str, String)| {
+                    text.replace(&format!("`{table}."), &format!("`{table}.{value}."))
+                };
+                self.refuse(&path, &case.values().iter().fold(message.clone(), named))
+            }
         }
     }
-    message.to_owned()
+
+    /// The path in the file of a path in the view of a case: `sea.bandwidth` is `sea.S2.bandwidth`, and the first of a case's
+    /// own rows is the file's row that names the case.
+    pub(crate) fn real_path(&self, path: &KeyPath, axes: &[Axis], case: &Case, rows: &[(Axis, &str)]) -> KeyPath {
+        let mut steps = path.0.clone();
+        for (axis, list) in rows {
+            let list = KeyPath::of(list);
+            let depth = list.0.len();
+            if let (true, Some(Step::Place(own))) = (steps.starts_with(&list.0), steps.get(depth).cloned()) {
+                let place = self.places_of_own_rows(*axis, &list, case).nth(own);
+                steps[depth] = Step::Place(place.unwrap_or(own));
+            }
+        }
+        let axis = axes.iter().find(|axis| path.first() == Some(axis.table));
+        if let Some(value) = axis.and_then(|axis| case.value(*axis)) {
+            steps.insert(1, Step::Key(value.to_owned()));
+        }
+        KeyPath(steps)
+    }
+
+    /// The places, in a list of rows, of those that name a case.
+    fn places_of_own_rows(&self, axis: Axis, list: &KeyPath, case: &Case) -> impl Iterator<Item = usize> {
+        let rows = self.get(list).and_then(Value::as_array);
+        let wanted = case.value(axis).map(str::to_owned);
+        let own = move |row: &Value| row.get(axis.table).and_then(Value::as_str) == wanted.as_deref();
+        let rows = rows.into_iter().flatten().enumerate();
+        rows.filter(move |(_, row)| own(row)).map(|(place, _)| place)
+    }
+}
+
+/// The most keys in the path of a `--set`; the deepest parameter has five.
+const DEEPEST: usize = 16;
+
+fn step_into<'a>(value: &'a Value, step: &Step) -> Option<&'a Value> {
+    match step {
+        Step::Key(key) => value.as_table()?.get(key),
+        Step::Place(place) => value.as_array()?.get(*place),
+    }
+}
+
+/// What is wrong with a layer of too many entries.
+fn crowd(found: usize) -> String {
+    format!(
+        "expected at most {MOST_ENTRIES} keys and list elements, since every stage reads them anew, found {found} of them"
+    )
+}
+
+/// The value of a `--set`; else what was found.
+fn set_value(text: &str) -> std::result::Result<Value, String> {
+    let bare = is_name(text)
+        && !text.starts_with(|c: char| c.is_ascii_digit())
+        && !matches!(text, "true" | "false" | "nan" | "inf");
+    if bare {
+        return Ok(Value::String(text.to_owned()));
+    }
+    let line = format!("value = {text}");
+    let refuse = |error: toml::de::Error| format!("`{}` ({})", legible(text), legible(error.message()));
+    let spanned = DeTable::parse(&line).map_err(refuse)?;
+    let entries = offsets(spanned.get_ref()).len();
+    if entries > MOST_ENTRIES {
+        return Err(format!("{entries} list elements; {}", crowd(entries)));
+    }
+    let mut table = Table::deserialize(Deserializer::from(spanned)).map_err(refuse)?;
+    let value = table.remove("value").ok_or("no value")?;
+    if table.is_empty() {
+        Ok(value)
+    } else {
+        Err("more than one value".to_owned())
+    }
+}
+
+/// What was found in the place of a name; where it reads like one of the names, how that name is written.
+pub(crate) fn no_name(found: &Value, names: &[String]) -> String {
+    let words = match found {
+        Value::Integer(_) | Value::Float(_) => format!("the number {found}"),
+        Value::Boolean(_) => format!("the truth value {found}"),
+        other => shown(Some(other)),
+    };
+    let name = found.to_string();
+    if names.contains(&name) {
+        return format!("{words}; as a name it is written in quotes: \"{name}\"");
+    }
+    words
 }
 
 fn is_name(text: &str) -> bool {

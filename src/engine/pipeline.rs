@@ -1,11 +1,13 @@
 //! Pipeline: every node in paper order, which is dataflow order; and the rules its parameters keep.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::{BTreeMap, BTreeSet, HashSet};
 
 use crate::engine::case::{Axis, Case};
 use crate::engine::error::{Error, Result};
+use crate::engine::key_path::{KeyPath, Step};
+use crate::engine::nearest::{nearest, shown};
 use crate::engine::node::{Decoded, Node};
-use crate::engine::params::{CASE, ParamsFile, nearest, real_path, shown};
+use crate::engine::params::{CASE, ParamsFile, no_name};
 use crate::engine::stage::{Pieces, Select};
 
 /// All nodes in paper order and the axes that their cases run over.
@@ -86,17 +88,10 @@ impl Pipeline {
 
     /// Decodes the parameters of one node in one case.
     pub(crate) fn decode(&self, params: &ParamsFile, counts: &[&str], node: &dyn Node, case: &Case) -> Result<Decoded> {
-        let rows: Vec<(Axis, &str)> = node
-            .selects()
-            .iter()
-            .filter_map(|select| match select {
-                Select::Rows(axis, path) => Some((*axis, *path)),
-                Select::At(..) => None,
-            })
-            .collect();
+        let rows = rows_of(node);
         let view = params.view(node.tables(), self.axes, case, counts, &rows);
         node.decode_params(view)
-            .map_err(|fault| params.fault(&fault, self.axes, case))
+            .map_err(|fault| params.fault(&fault, self.axes, case, &rows))
     }
 
     /// Checks every key by itself, also those that this run will not use; gives what was decoded on the way.
@@ -109,14 +104,14 @@ impl Pipeline {
         for count in &counts {
             params.count(count)?;
         }
-        let mut unread: BTreeSet<String> = params.leaves().into_iter().collect();
-        unread.remove("run.seed");
+        let mut unread: BTreeSet<KeyPath> = params.leaves().into_iter().collect();
+        unread.remove(&KeyPath::of("run.seed"));
         for key in counts.iter().chain(self.optional) {
-            unread.remove(*key);
+            unread.remove(&KeyPath::of(key));
         }
         let mut tables = Vec::new();
         for axis in self.axes {
-            unread.remove(&format!("run.{}", axis.list));
+            unread.remove(&KeyPath::of("run").key(axis.list));
             params.list(*axis)?;
             tables.push(params.tables(*axis)?);
         }
@@ -125,37 +120,54 @@ impl Pipeline {
             for select in node.selects() {
                 if let Select::At(axis, path) = select {
                     pinned(params, *axis, path)?;
-                    unread.remove(*path);
+                    unread.remove(&KeyPath::of(path));
                 }
             }
             for case in self.covering_cases(axes, &tables) {
                 let decoded = self.decode(params, &counts, *node, &case)?;
-                // The leaves tell of no key within a list, so that one is refused here.
-                if let Some(path) = decoded.ignored.iter().find(|path| path.contains('[')) {
-                    let path = real_path(path, self.axes, &case);
-                    return Err(params.refuse(&path, "expected a known key, found an unknown one"));
-                }
-                let read: Vec<String> = node
-                    .tables()
-                    .iter()
-                    .filter(|table| **table != CASE)
-                    // The tables of a gathered axis are read whole by who has the axis.
-                    .filter(|table| !node.gathers().iter().any(|axis| axis.table == **table))
-                    .map(|table| real_path(table, self.axes, &case))
-                    .collect();
-                let ignored: Vec<String> = decoded
-                    .ignored
-                    .iter()
-                    .map(|path| real_path(path, self.axes, &case))
-                    .collect();
-                unread.retain(|leaf| !is_under(leaf, &read) || is_under(leaf, &ignored));
+                self.cross_off(params, *node, &case, &decoded, &mut unread)?;
                 checked.push(Checked { place, case, decoded });
             }
+            for (axis, path) in rows_of(*node) {
+                row_names(params, axis, path)?;
+            }
         }
-        match unread.first() {
-            None => Ok(checked),
-            Some(path) => Err(self.unknown(params, path, &unread)),
+        if unread.is_empty() {
+            return Ok(checked);
         }
+        Err(self.unknown(params, &unread))
+    }
+
+    /// Takes what a stage has read in one case off the paths that are still unread.
+    ///
+    /// # Errors
+    /// A key in a row of a list that the stage takes no notice of: among the unread paths a list counts as one.
+    fn cross_off(
+        &self,
+        params: &ParamsFile,
+        node: &dyn Node,
+        case: &Case,
+        decoded: &Decoded,
+        unread: &mut BTreeSet<KeyPath>,
+    ) -> Result<()> {
+        let rows = rows_of(node);
+        let real = |path: &KeyPath| params.real_path(path, self.axes, case, &rows);
+        if let Some(path) = decoded.ignored.iter().find(|path| path.has_place()) {
+            return Err(params.refuse(&real(path), UNKNOWN));
+        }
+        let ignored: HashSet<Vec<Step>> = decoded.ignored.iter().map(|path| real(path).0).collect();
+        let is_ignored = |leaf: &KeyPath| (1..=leaf.0.len()).any(|depth| ignored.contains(&leaf.0[..depth]));
+        // The tables of a gathered axis are read whole by the stage that has the axis.
+        let gathered = |table: &str| node.gathers().iter().any(|axis| axis.table == table);
+        for table in node.tables().iter().filter(|table| **table != CASE && !gathered(table)) {
+            let table = real(&KeyPath::of(table));
+            let below = unread.range(&table..).take_while(|leaf| leaf.0.starts_with(&table.0));
+            let read: Vec<KeyPath> = below.filter(|leaf| !is_ignored(leaf)).cloned().collect();
+            for leaf in read {
+                unread.remove(&leaf);
+            }
+        }
+        Ok(())
     }
 
     /// Checks the rules between keys, for the stages at some places: a run is not refused for what it does not use.
@@ -166,7 +178,7 @@ impl Pipeline {
         for Checked { place, case, decoded } in checked.iter().filter(|checked| places.contains(&checked.place)) {
             let node = self.contents[*place];
             node.check_params(decoded)
-                .map_err(|fault| params.fault(&fault, self.axes, case))?;
+                .map_err(|fault| params.fault(&fault, self.axes, case, &rows_of(node)))?;
         }
         places
             .iter()
@@ -189,48 +201,68 @@ impl Pipeline {
         (0..longest).map(case).collect()
     }
 
-    fn unknown(&self, params: &ParamsFile, path: &str, unread: &BTreeSet<String>) -> Error {
-        let table = path.rsplit_once('.').map_or("", |(table, _)| table);
-        let axis = self
-            .axes
+    /// The error about keys that nothing reads: the first of them, and how many more there are.
+    fn unknown(&self, params: &ParamsFile, unread: &BTreeSet<KeyPath>) -> Error {
+        let leaves = params.leaves();
+        let known: Vec<&KeyPath> = leaves.iter().filter(|leaf| !unread.contains(leaf)).collect();
+        let mut lines: Vec<String> = unread
             .iter()
-            .find(|axis| table.split('.').next() == Some(axis.table));
-        let leaves = params.leaves().into_iter();
-        let mut known: BTreeSet<String> = leaves.filter(|leaf| !unread.contains(leaf)).collect();
+            .take(MOST_TOLD)
+            .map(|path| {
+                let hint = nearest(&path.to_string(), self.like(path, &known).iter().map(String::as_str));
+                params.refuse(path, &format!("{UNKNOWN}{hint}")).to_string()
+            })
+            .collect();
+        if unread.len() > MOST_TOLD {
+            lines.push(format!("{} more unknown keys", unread.len() - MOST_TOLD));
+        }
+        Error::Usage(lines.join("\n  "))
+    }
+
+    /// The known names that may be meant by an unknown path.
+    fn like(&self, path: &KeyPath, known: &[&KeyPath]) -> BTreeSet<String> {
+        let [table @ .., _] = path.0.as_slice() else {
+            return BTreeSet::new();
+        };
         if table.is_empty() {
-            // A lone name is rather a table's than a key's.
-            let tables = known.iter().filter_map(|leaf| leaf.split('.').next());
-            known = tables.map(str::to_owned).collect();
+            // A lone name is rather a table's than a key's; one with a dot in it was rather meant as a path.
+            let tables = known.iter().filter_map(|leaf| leaf.first()).map(str::to_owned);
+            let dotted = path.first().is_some_and(|key| key.contains('.'));
+            let paths = known.iter().filter(|_| dotted).map(ToString::to_string);
+            return tables.chain(paths).collect();
         }
-        if let Some(axis) = axis {
+        let mut names: BTreeSet<String> = known.iter().map(ToString::to_string).collect();
+        let is_axis = |axis: &Axis| path.first() == Some(axis.table);
+        if self.axes.iter().any(is_axis) {
             // Keys of one [sea.*] are keys of all of them.
-            let prefix = format!("{}.", axis.table);
-            let keys: Vec<String> = known
-                .iter()
-                .filter_map(|leaf| {
-                    leaf.strip_prefix(&prefix)?
-                        .split_once('.')
-                        .map(|(_, key)| format!("{table}.{key}"))
-                })
-                .collect();
-            known.extend(keys);
+            let siblings = known.iter().filter(|leaf| leaf.first() == path.first() && leaf.0.len() > 2);
+            let own = siblings.map(|leaf| KeyPath([table, &leaf.0[2..]].concat()).to_string());
+            names.extend(own);
         }
-        let hint = nearest(path, known.iter().map(String::as_str));
-        params.refuse(path, &format!("expected a known key, found an unknown one{hint}"))
+        names
     }
 }
 
-fn is_under(path: &str, prefixes: &[String]) -> bool {
-    prefixes.iter().any(|prefix| {
-        path.strip_prefix(prefix.as_str())
-            .is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
-    })
+/// What is said of a key that nothing reads.
+const UNKNOWN: &str = "expected a known key, found an unknown one";
+
+/// So many unknown keys are named.
+const MOST_TOLD: usize = 10;
+
+/// The lists of which a stage sees its own rows alone.
+pub(crate) fn rows_of(node: &dyn Node) -> Vec<(Axis, &'static str)> {
+    let rows = node.selects().iter().filter_map(|select| match select {
+        Select::Rows(axis, path) => Some((*axis, *path)),
+        Select::At(..) => None,
+    });
+    rows.collect()
 }
 
 /// Keys that number an item stay below their counts.
 fn check_items(params: &ParamsFile, node: &dyn Node) -> Result<()> {
     for (key, count) in node.items() {
         let items = params.count(count)?;
+        let key = &KeyPath::of(key);
         let found = params.get(key);
         let number = found.and_then(toml::Value::as_integer);
         let number = number.and_then(|number| u64::try_from(number).ok());
@@ -247,7 +279,8 @@ fn check_items(params: &ParamsFile, node: &dyn Node) -> Result<()> {
 
 fn pinned(params: &ParamsFile, axis: Axis, path: &str) -> Result<String> {
     let tables = params.tables(axis)?;
-    let found = params.get(path);
+    let path = KeyPath::of(path);
+    let found = params.get(&path);
     let name = found.and_then(toml::Value::as_str);
     if let Some(name) = name.filter(|name| tables.iter().any(|table| table == name)) {
         return Ok(name.to_owned());
@@ -258,12 +291,15 @@ fn pinned(params: &ParamsFile, axis: Axis, path: &str) -> Result<String> {
         axis.table,
         tables.join(", ")
     );
-    Err(params.refuse(path, &format!("{expected}, found {}{hint}", shown(found))))
+    let found = found.map_or_else(|| shown(None), |found| no_name(found, &tables));
+    Err(params.refuse(&path, &format!("{expected}, found {found}{hint}")))
 }
 
 fn row_names(params: &ParamsFile, axis: Axis, path: &str) -> Result<Vec<String>> {
-    let rows = params.get(path).and_then(toml::Value::as_array);
-    let rows = rows.ok_or_else(|| params.refuse(path, "expected a list of rows, found none"))?;
+    let path = &KeyPath::of(path);
+    let found = params.get(path);
+    let rows = found.and_then(toml::Value::as_array);
+    let rows = rows.ok_or_else(|| params.refuse(path, &format!("expected a list of rows, found {}", shown(found))))?;
     let tables = params.tables(axis)?;
     let mut names: Vec<String> = Vec::new();
     for (i, row) in rows.iter().enumerate() {
@@ -277,7 +313,7 @@ fn row_names(params: &ParamsFile, axis: Axis, path: &str) -> Result<Vec<String>>
         };
         let name = found
             .and_then(toml::Value::as_str)
-            .ok_or_else(|| refuse(shown(found)))?;
+            .ok_or_else(|| refuse(found.map_or_else(|| shown(None), |found| no_name(found, &tables))))?;
         if !tables.iter().any(|table| table == name) {
             let hint = nearest(name, tables.iter().map(String::as_str));
             return Err(refuse(format!("\"{name}\"{hint}")));

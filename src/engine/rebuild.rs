@@ -25,6 +25,7 @@ use crate::engine::lock::{Line, Lock};
 use crate::engine::manifest;
 use crate::engine::run::Run;
 use crate::engine::store::{Found, Store};
+use crate::engine::threads::pool;
 use crate::engine::twice::{elsewhere, keep};
 use crate::engine::verify::{between, recipe_reason, toolchains};
 
@@ -206,10 +207,7 @@ fn look_into(run: &Run<'_>, node: usize, line: &Line, against: &Against<'_>) -> 
 
 /// The first of some pieces that comes out otherwise when it is made again, with its new bytes.
 fn made_otherwise(run: &Run<'_>, node: usize, pieces: &[usize], threads: usize) -> Result<Option<(usize, Vec<u8>)>> {
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(threads)
-        .build()
-        .map_err(|why| Error::Usage(format!("cannot start the workers: {why}")))?;
+    let pool = pool(threads)?;
     let again = |piece: &usize| match run.compute(node, *piece) {
         Ok(bytes) if Some(id_of(run, node, &bytes)) == run.id(node, *piece) => None,
         Ok(bytes) => Some(Ok((*piece, bytes))),

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
 use crate::engine::error::{Error, Result};
-use crate::engine::params::nearest;
+use crate::engine::nearest::nearest;
 
 /// A commit of the work tree that holds a folder.
 #[derive(Clone, Debug)]

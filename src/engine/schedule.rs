@@ -13,6 +13,7 @@ use crate::engine::plan::decide_all;
 use crate::engine::queue::{Queue, Turn};
 use crate::engine::run::{Decision, Run};
 use crate::engine::runs;
+use crate::engine::threads::{helper, pool};
 
 /// How often the housekeeper looks around.
 const ROUND: Duration = Duration::from_millis(50);
@@ -29,12 +30,9 @@ pub fn execute(run: &Run<'_>, workers: usize) -> Result<()> {
         return reuse_all(run);
     }
     let queue = Queue::new(run.graph);
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(workers)
-        .build()
-        .map_err(|why| Error::Usage(format!("-j {workers}: cannot start the workers: {why}")))?;
+    let pool = pool(workers)?;
     std::thread::scope(|scope| {
-        scope.spawn(|| keep_house(run, &queue));
+        helper(scope, || keep_house(run, &queue))?;
         pool.broadcast(|_| {
             while let Some((node, piece)) = queue.take(run) {
                 // A piece that is never finished would keep the other workers waiting.
@@ -44,7 +42,8 @@ pub fn execute(run: &Run<'_>, workers: usize) -> Result<()> {
             }
         });
         queue.close();
-    });
+        Ok(())
+    })?;
     let flushed = run.store.flush();
     let verdict = queue.verdict(run.graph).and(flushed);
     match verdict {

@@ -10,8 +10,10 @@ use serde_json::Value;
 
 use crate::engine::arrow::Kind;
 use crate::engine::graph::Graph;
+use crate::engine::key_path::KeyPath;
 use crate::engine::params::CASE;
-use crate::engine::stage::{Pieces, Select};
+use crate::engine::pipeline::rows_of;
+use crate::engine::stage::Pieces;
 
 /// Single values by dotted path; a list of numbers or words is one value.
 pub(crate) type Values = BTreeMap<String, Value>;
@@ -28,7 +30,7 @@ pub(crate) fn values(graph: &Graph, node: usize) -> Values {
     }
     values
         .into_iter()
-        .map(|(path, value)| (row_path(graph, node, path), value))
+        .map(|(path, value)| (row_path(graph, node, &path), value))
         .collect()
 }
 
@@ -43,7 +45,7 @@ pub(crate) fn shape(graph: &Graph, node: usize) -> Values {
     for path in counts(graph, node).into_iter().chain(gathered) {
         let value = graph
             .params
-            .get(&path)
+            .get(&KeyPath::of(&path))
             .and_then(|value| serde_json::to_value(value).ok());
         shape.insert(path, value.unwrap_or_default());
     }
@@ -85,26 +87,9 @@ pub(crate) fn flatten(path: &str, value: &Value, values: &mut Values) {
 }
 
 /// A stage sees its own rows alone, so its row 0 may be row 2 of the file.
-fn row_path(graph: &Graph, node: usize, path: String) -> String {
-    let it = &graph.nodes[node];
-    for select in it.node.selects() {
-        let Select::Rows(axis, list) = select else { continue };
-        let seen = path.strip_prefix(list).and_then(|rest| rest.strip_prefix('['));
-        let Some((place, rest)) = seen.and_then(|rest| rest.split_once(']')) else {
-            continue;
-        };
-        let rows = graph.params.get(list).and_then(toml::Value::as_array);
-        let own = |row: &toml::Value| row.get(axis.table).and_then(toml::Value::as_str) == it.case.value(*axis);
-        let places: Vec<usize> = rows
-            .into_iter()
-            .flatten()
-            .enumerate()
-            .filter(|(_, row)| own(row))
-            .map(|(place, _)| place)
-            .collect();
-        if let Some(place) = place.parse::<usize>().ok().and_then(|place| places.get(place)) {
-            return format!("{list}[{place}]{rest}");
-        }
-    }
-    path
+fn row_path(graph: &Graph, node: usize, path: &str) -> String {
+    let of = &graph.nodes[node];
+    let rows = rows_of(of.node);
+    let path = graph.params.real_path(&KeyPath::of(path), &[], &of.case, &rows);
+    path.to_string()
 }

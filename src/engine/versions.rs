@@ -7,6 +7,7 @@ use serde_json::Value;
 
 use crate::engine::compare::shown;
 use crate::engine::id::Id;
+use crate::engine::key_path::KeyPath;
 use crate::engine::lock::{Line, Lock};
 use crate::engine::params::ParamsFile;
 use crate::engine::settings::{Values, flatten};
@@ -63,7 +64,7 @@ pub fn params(old: &ParamsFile, new: &ParamsFile) -> Vec<ParamChange> {
         name: name.clone(),
         old: shown(before.get(name)),
         new: shown(now.get(name)),
-        origin: new.origin(name).to_owned(),
+        origin: new.origin(&KeyPath::of(name)),
     };
     changed.map(change).collect()
 }
@@ -72,7 +73,7 @@ fn values(params: &ParamsFile) -> Values {
     let mut values = Values::new();
     for path in params.leaves() {
         let value = params.get(&path).and_then(|value| serde_json::to_value(value).ok());
-        flatten(&path, &value.unwrap_or_default(), &mut values);
+        flatten(&path.to_string(), &value.unwrap_or_default(), &mut values);
     }
     values
 }

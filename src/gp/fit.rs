@@ -8,7 +8,7 @@
 
 use super::elbo::Elbo;
 use super::standard::Likelihood;
-use crate::numerics::domain::{count, non_negative, positive};
+use crate::numerics::domain::{all_within, at_most, count, non_negative, positive};
 use crate::numerics::elementary::ln;
 use crate::numerics::lbfgsb::{Settings, minimise};
 use crate::numerics::random::uniform;
@@ -40,6 +40,11 @@ pub struct KernelSpan {
     /// ℓ_d, one per coordinate.
     pub length: Vec<Span>,
 }
+
+/// Largest magnitude of a bound on a logarithm: the exponential of it squared does not overflow.
+const LOGARITHM: f64 = 50.0;
+/// Largest bound of a kernel's variance and length, and of their inverses.
+const SPAN: f64 = 1e9;
 
 /// How a VHGP is fitted; the `[vhgp_seq.fit]` table.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -96,6 +101,12 @@ impl Fitting {
     /// # Errors
     /// A sentence naming the key, what was expected and what was found.
     pub fn check(&self, dimensions: usize) -> Result<(), String> {
+        at_most("fit.restarts", u64::from(self.restarts), 100, "each is a fit of its own")?;
+        at_most("fit.iterations", u64::from(self.iterations), 10_000, "a fit that needs more does not converge")?;
+        at_most("fit.memory", u64::from(self.memory), 1000, "every pair of vectors is kept and gone through in each step")?;
+        all_within("fit.jitter", &[self.jitter], 0.0, 1.0)?;
+        all_within("fit.mu_0", &self.mu_0, -LOGARITHM, LOGARITHM)?;
+        all_within("fit.log_lambda", &self.log_lambda, -LOGARITHM, LOGARITHM)?;
         for (name, kernel) in [("k_f", &self.k_f), ("k_g", &self.k_g)] {
             if kernel.length.len() != dimensions {
                 let found = kernel.length.len();
@@ -111,6 +122,7 @@ impl Fitting {
                         "fit.{name}.{key}: expected 0 < from <= start <= to, found from = {from}, start = {start}, to = {to}"
                     ));
                 }
+                all_within(&format!("fit.{name}.{key}"), &[from, to], 1.0 / SPAN, SPAN)?;
             }
         }
         for (name, [from, to]) in [("mu_0", self.mu_0), ("log_lambda", self.log_lambda)] {

@@ -23,6 +23,9 @@ use serde::{Deserialize, Serialize};
 /// Most samples of one field's series; its buffers for eight fields then take 268 MB.
 const MOST_SAMPLES: u64 = 1 << 22;
 
+/// Most steps of the roll before t = 0.
+const MOST_LEAD_IN: f64 = 1e7;
+
 /// The table `[record]` but for its count of fields: how each field is represented.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Record {
@@ -79,6 +82,21 @@ impl Record {
             format!("from 2 x {modes} to {most} samples per field of {periods} periods"),
             u64::from(rho),
         )
+    }
+
+    /// Checks that a ship on waves of peak period `t_p` (s) gets through the lead-in.
+    ///
+    /// # Errors
+    /// Names the key, what was expected and what was found.
+    pub fn check_lead_in(&self, t_p: f64) -> Result<(), String> {
+        let most = MOST_LEAD_IN * self.h(t_p);
+        if self.lead_in <= most {
+            return Ok(());
+        }
+        let found = self.lead_in;
+        Err(format!(
+            "lead_in: expected at most {most} s, {MOST_LEAD_IN} steps of the roll before each field, found {found}"
+        ))
     }
 
     /// Samples of eta in one field.

@@ -33,6 +33,42 @@ pub struct Estimate {
     pub window: f64,
 }
 
+impl Estimate {
+    /// Checks the sizes of a run.
+    ///
+    /// # Errors
+    /// `key: expected .., found ..`.
+    pub fn check(&self) -> Result<(), String> {
+        let held = "all sampled groups are held in memory at once";
+        domain::at_most("samples", u64::from(self.samples), MOST_SAMPLES, held)?;
+        if self.window <= WIDEST {
+            return Ok(());
+        }
+        let found = self.window;
+        Err(format!(
+            "window: expected at most {WIDEST}, since a group has no waves so far from its centre, found {found}"
+        ))
+    }
+}
+
+/// The largest ensemble, bytes; an artifact of the store may have twice as many.
+const LARGEST_ENSEMBLE: u64 = 1 << 29;
+/// Most groups of a sample: 240 MB of places and responses.
+const MOST_SAMPLES: u64 = 10_000_000;
+/// Largest `[estimate] window`, in L; exp(-100^2/2) is nothing.
+const WIDEST: f64 = 100.0;
+/// Most groups by which a NIC run starts ahead; the paper has two.
+const MOST_AHEAD: u64 = 100;
+
+/// Checks `[nic] groups_ahead`.
+///
+/// # Errors
+/// `groups_ahead: expected .., found ..`.
+pub fn check_groups_ahead(groups_ahead: u32) -> Result<(), String> {
+    let since = "every run goes through all of them, and the ship forgets its state within a few";
+    domain::at_most("groups_ahead", u64::from(groups_ahead), MOST_AHEAD, since)
+}
+
 /// The `[pic]` table.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Pic {
@@ -42,6 +78,16 @@ pub struct Pic {
 }
 
 impl Pic {
+    /// Checks that an ensemble of so many bytes per T_p fits into an artifact.
+    ///
+    /// # Errors
+    /// `periods: expected .., found ..`.
+    pub fn check(&self, bytes_per_period: u64) -> Result<(), String> {
+        let since = format!("the ensemble takes {bytes_per_period} bytes per T_p and may have {LARGEST_ENSEMBLE}");
+        let most = LARGEST_ENSEMBLE / bytes_per_period.max(1);
+        domain::at_most("periods", u64::from(self.periods), most, &since)
+    }
+
     /// How many fields the ensemble takes, the last one perhaps in part; at most all there are.
     pub fn fields(&self, periods_per_field: u32, fields: u32) -> u32 {
         self.periods.div_ceil(periods_per_field).min(fields)

@@ -32,6 +32,9 @@ pub enum Capsize {
     DiscardField,
 }
 
+/// The largest angle at which a ship may be said to have capsized: sixteen turns, rad.
+const LARGEST_ANGLE: f64 = 100.0;
+
 fn temporal_level() -> f64 {
     0.25
 }
@@ -73,6 +76,11 @@ impl Truth {
     /// `key: expected .., found ..`.
     pub fn check(&self) -> Result<(), String> {
         let limit = self.capsize_angle;
+        if limit > LARGEST_ANGLE {
+            return Err(format!(
+                "capsize_angle: expected at most {LARGEST_ANGLE} rad, since the cubic restoring grows beyond all bounds, found {limit}"
+            ));
+        }
         self.temporal_levels
             .check()
             .map_err(|why| format!("temporal_levels.{why}"))?;

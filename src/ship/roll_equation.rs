@@ -23,6 +23,9 @@ pub enum Damping {
     Quadratic,
 }
 
+/// Most epsilon_1 of a ship; the paper has three.
+const MOST_EXCITATIONS: u64 = 64;
+
 /// The `[ship.NAME]` table: the coefficients of Eq. (6).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Ship {
@@ -53,9 +56,13 @@ impl Ship {
         if self.epsilon_1.is_empty() {
             return Err("epsilon_1: expected at least one number, found none".to_string());
         }
+        let number = self.epsilon_1.len() as u64;
+        let since = "the ship rolls along the whole record at each of them";
+        domain::at_most("epsilon_1", number, MOST_EXCITATIONS, since).map_err(|why| format!("{why} numbers"))?;
         if let Some(bad) = self.epsilon_1.iter().find(|e| !(e.is_finite() && **e >= 0.0)) {
             return Err(format!("epsilon_1: expected numbers >= 0, found {bad}"));
         }
+        domain::all_within("epsilon_1", &self.epsilon_1, 0.0, domain::LARGEST)?;
         if let Some(pair) = self.epsilon_1.windows(2).find(|pair| pair[0] >= pair[1]) {
             let (low, high) = (pair[0], pair[1]);
             return Err(format!(

@@ -6,6 +6,7 @@ mod difference;
 mod finite;
 mod gc;
 mod hits;
+mod keys;
 mod locks;
 mod on_request;
 mod params;

@@ -3,6 +3,7 @@
 use crate::common::toy::BASE;
 use crate::common::{House, PARAMS};
 use encounter::engine::case::Case;
+use encounter::engine::key_path::KeyPath;
 use encounter::engine::params::ParamsFile;
 use encounter::engine::target::Target;
 
@@ -23,12 +24,12 @@ fn a_later_layer_wins_key_by_key() {
         .layer("over.toml", "[base.a]\noffset = 3\n[base.d]\noffset = 4")
         .expect("TOML");
     params.set("base.a.offset=5").expect("an assignment");
-    let get = |path: &str| params.get(path).and_then(toml::Value::as_integer);
+    let get = |path: &str| params.get(&KeyPath::of(path)).and_then(toml::Value::as_integer);
     assert_eq!(
         (get("base.a.offset"), get("base.d.offset"), get("base.b.offset")),
         (Some(5), Some(4), Some(2))
     );
-    let place = |path: &str| params.refuse(path, "no").to_string();
+    let place = |path: &str| params.refuse(&KeyPath::of(path), "no").to_string();
     assert_eq!(place("base.a.offset"), "--set: base.a.offset: no");
     assert_eq!(place("base.d.offset"), "over.toml:4: base.d.offset: no");
     assert_eq!(place("base.b.offset"), "toy.toml:13: base.b.offset: no");

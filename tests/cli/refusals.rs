@@ -212,7 +212,7 @@ fn new_tables_that_are_not_whole() {
         ),
         (
             "[sea.\"../x\"]\n",
-            &["@1: sea.../x: expected a name of letters, digits and `_`"],
+            &["@1: sea.\"../x\": expected a name of letters, digits and `_`"],
         ),
     ]);
 }

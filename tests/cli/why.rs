@@ -132,7 +132,7 @@ fn every_parameter_is_told_under_the_name_that_the_reader_wrote() {
     let files = [stages.join("paper.toml"), stages.join("tiny.toml")];
     let files: Vec<&Path> = files.iter().map(PathBuf::as_path).collect();
     let params = ParamsFile::read(&files, &[]).expect("the parameters are readable");
-    let leaves = params.leaves();
+    let leaves: Vec<String> = params.leaves().iter().map(ToString::to_string).collect();
     let mut told = 0;
     for entry in fs::read_dir(program.path("store/parts")).expect("a folder").flatten() {
         let part = records::read(&entry.path());

@@ -150,7 +150,15 @@ impl House {
 
     /// The refusal of the parameters in force.
     pub(crate) fn refusal(&self) -> String {
-        match self.graph(&[]) {
+        match self.params() {
+            Ok(params) => self.refusal_of(&params),
+            Err(error) => error.to_string(),
+        }
+    }
+
+    /// The refusal of some parameters.
+    pub(crate) fn refusal_of(&self, params: &ParamsFile) -> String {
+        match Graph::new(&self.pipeline, params, &[]) {
             Err(error @ Error::Usage(_)) => error.to_string(),
             other => panic!("expected a refusal, found {:?}", other.map(|graph| graph.nodes.len())),
         }

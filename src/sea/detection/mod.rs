@@ -16,6 +16,7 @@
 //! counted in samples. Tested in `tests/physics/detection.rs`.
 
 pub mod bell;
+pub mod counts;
 pub mod fit;
 pub mod prune;
 pub mod refine;
