@@ -13,6 +13,7 @@ use crate::cli::{Common, print_json, progress, say};
 use crate::engine::error::{Error, Result};
 use crate::engine::gc::{self, Alone, BOUND, Sweep, carry_out, locks_in, plan};
 use crate::stages::PIPELINE;
+use crate::text::count::counted;
 
 /// Arguments of `encounter gc`.
 #[derive(Debug, Args)]
@@ -99,9 +100,12 @@ fn tell(args: &GcArgs, sweep: &Sweep) {
         ["freed", "are"]
     };
     say(format_args!(
-        "{} {freed:.2} MB that took {:.2} s to make: {} objects that no lock and no recent run reaches, {evicted} to make \
+        "{} {freed:.2} MB that took {:.2} s to make: {} that no lock and no recent run reaches, {evicted} to make \
          room; {left:.2} MB {} left",
-        words[0], sweep.seconds, sweep.unreached, words[1]
+        words[0],
+        sweep.seconds,
+        counted(sweep.unreached, "object"),
+        words[1]
     ));
 }
 
