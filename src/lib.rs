@@ -16,11 +16,12 @@
 //! | [`report`] | the paper's claims against what was found; the page that shows it all | findings |
 //! | [`numerics`] | mathematics without a ship in it; the only door to transcendental functions | |
 //! | [`engine`] | the cache: keys, store, schedule, lock; knows no wave and no ship | |
+//! | [`text`] | how words and numbers are written: counts, short numbers, the escapes of each format | |
 //! | [`cli`] | the verbs; speaks, never computes | |
 //!
 //! Who may import whom: `stages` all but `cli`; `design` -> `gp` -> `numerics`; `calibration` -> `sea`, `ship`; `report` -> `plot`;
 //! `sea`, `ship`, `plot` -> `numerics`;
-//! `engine` nothing of ours. `tests/architecture` polices it, since the fingerprint of a stage's code follows these edges.
+//! `engine` nothing of ours but `text`, which names nothing and which all may name. `tests/architecture` polices it, since the fingerprint of a stage's code follows these edges.
 
 pub mod calibration;
 pub mod cli;
@@ -34,3 +35,4 @@ pub mod sea;
 pub mod ship;
 #[path = "../stages/mod.rs"]
 pub mod stages;
+pub mod text;

@@ -9,6 +9,7 @@ use crate::engine::arrow::{All, CaseOf, Cases, PiecesOf};
 use crate::engine::case::Axis;
 use crate::engine::error::Result;
 use crate::engine::stage::{Here, Pieces, Select, Stage};
+use crate::numerics::fourier::WIDTH;
 use crate::stages::axes::{SEA, SHIP};
 use crate::stages::calibration_fields::CalibrationFields;
 use crate::stages::calibration_search::{CalibrationSearch, Params};
@@ -22,6 +23,9 @@ impl Stage for CalibrationCheck {
     const PIECES: Pieces = Pieces::Counted("calibration.checks");
     const GATHERS: &'static [Axis] = &[SEA];
     const SELECTS: &'static [Select] = &[Select::At(SHIP, "calibration.ship")];
+    // A set is checked on the fields that no search has seen: there must be some.
+    const ITEMS: &'static [(&'static str, &'static str, u64)] =
+        &[("calibration.polish_fields", "calibration.fields", WIDTH as u64)];
     const SCHEMA: &'static str = "calibration-check/1";
     type Params = Params;
     type Inputs = (All<CalibrationSearch>, Cases<CalibrationFields>);

@@ -5,7 +5,8 @@ use std::path::Path;
 use clap::Args;
 use serde_json::json;
 
-use crate::cli::words::{self, Line, counted};
+use crate::cli::words::{self, Line};
+use crate::text::count::counted;
 use crate::cli::{Common, Profile, print_json, say};
 use crate::engine::disk::read_text;
 use crate::engine::error::Result;

@@ -15,6 +15,7 @@ use crate::engine::plan::Plan;
 use crate::engine::store::Store;
 use crate::numerics::lanes::Level;
 use crate::numerics::self_test;
+use crate::text::count::counted;
 
 /// Arguments of `encounter doctor`.
 #[derive(Debug, Args)]
@@ -147,16 +148,16 @@ impl Seen<'_> {
         ));
         say(format_args!("disk     {disk} free; a whole store needs {store}"));
         say(format_args!(
-            "time     about {} for all {} pieces from nothing",
+            "time     about {} for all {} from nothing",
             span(self.whole),
-            self.pieces
+            counted(self.pieces, "piece")
         ));
         if self.left == 0 {
             say(format_args!("left     nothing: every piece is in the store"));
         } else {
             say(format_args!(
-                "left     {} pieces, about {}",
-                self.left,
+                "left     {}, about {}",
+                counted(self.left, "piece"),
                 span(self.minutes)
             ));
         }
@@ -166,9 +167,9 @@ impl Seen<'_> {
 fn tell_store(store: &Path, found: Option<&Audit>) {
     match found {
         Some(found) => say(format_args!(
-            "store    {}: {} objects, {:.1} MB, {} damaged, {} missing",
+            "store    {}: {}, {:.1} MB, {} damaged, {} missing",
             store.display(),
-            found.objects,
+            counted(found.objects, "object"),
             found.bytes as f64 / 1e6,
             found.damaged.len(),
             found.missing.len()

@@ -12,6 +12,7 @@ use crate::engine::gc::{self, Alone, BOUND, Sweep, plan};
 use crate::engine::lock::{self, Lock};
 use crate::engine::store::Store;
 use crate::stages::PIPELINE;
+use crate::text::count::counted;
 
 /// Arguments of `encounter gc`.
 #[derive(Debug, Args)]
@@ -95,9 +96,12 @@ fn tell(args: &GcArgs, sweep: &Sweep) {
         ["freed", "are"]
     };
     say(format_args!(
-        "{} {freed:.2} MB that took {:.2} s to make: {} objects that no lock and no recent run reaches, {evicted} to make \
+        "{} {freed:.2} MB that took {:.2} s to make: {} that no lock and no recent run reaches, {evicted} to make \
          room; {left:.2} MB {} left",
-        words[0], sweep.seconds, sweep.unreached, words[1]
+        words[0],
+        sweep.seconds,
+        counted(sweep.unreached, "object"),
+        words[1]
     ));
     if let [first, rest @ ..] = sweep.foreign.as_slice() {
         let more = match rest.len() {

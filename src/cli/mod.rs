@@ -28,6 +28,7 @@ use crate::engine::graph::Graph;
 use crate::engine::node::Node;
 use crate::engine::params::ParamsFile;
 use crate::engine::store::Store;
+use crate::text::escape;
 use crate::engine::target::Target;
 use crate::numerics::lanes::Level;
 use crate::numerics::self_test;
@@ -257,7 +258,7 @@ fn wait_for_gc() {
 
 /// Prints a line; a reader that has gone, such as `head`, is no error.
 fn say(line: std::fmt::Arguments<'_>) {
-    note(writeln!(std::io::stdout(), "{}", words::plain(&line.to_string())));
+    note(writeln!(std::io::stdout(), "{}", escape::terminal(&line.to_string())));
 }
 
 /// Why not all of the answer could be printed.
@@ -281,7 +282,8 @@ fn all_said() -> Result<()> {
 }
 
 fn print_json(value: &serde_json::Value) {
-    say(format_args!("{value:#}"));
+    let text = format!("{value:#}");
+    note(writeln!(std::io::stdout(), "{}", escape::json(&text)));
 }
 
 /// Parses the command line, runs the verb, prints the error; the exit code says which kind it was.

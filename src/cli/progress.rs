@@ -6,8 +6,9 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use indicatif::{MultiProgress, ProgressBar, ProgressDrawTarget, ProgressStyle};
 
-use crate::cli::words::plain;
+use crate::text::escape::terminal;
 use crate::engine::event::Event;
+use crate::text::count::counted;
 
 /// Listens to a run and speaks on standard error.
 pub struct Progress {
@@ -25,7 +26,7 @@ struct State {
 
 /// Writes a line to standard error; a reader that has gone is no error.
 pub(super) fn tell(line: &str) {
-    let _ = writeln!(std::io::stderr(), "{}", plain(line));
+    let _ = writeln!(std::io::stderr(), "{}", terminal(line));
 }
 
 fn stage_of(node: &str) -> &str {
@@ -127,7 +128,7 @@ impl Progress {
         *ran += usize::from(seconds.is_some());
         *total += seconds.unwrap_or(0.0);
         if *left == 0 && *ran > 0 && self.bars.is_none() {
-            tell(&format!("{node}: ran {ran} pieces in {total:.2} s"));
+            tell(&format!("{node}: ran {} in {total:.2} s", counted(*ran, "piece")));
         }
     }
 }

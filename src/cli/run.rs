@@ -21,6 +21,7 @@ use crate::engine::schedule;
 use crate::engine::store::Store;
 use crate::engine::timing::{StageTime, by_stage, recorded};
 use crate::stages::axes::SHIP;
+use crate::text::count::counted;
 
 /// Arguments of `encounter run`.
 #[derive(Debug, Args)]
@@ -199,10 +200,10 @@ impl Ledger {
         }
         let written = self.files.iter().filter(|(_, _, written)| *written).count();
         say(format_args!(
-            "ran {} pieces, reused {}, in {seconds:.2} s; {} files in {}, {written} written",
-            self.ran.len(),
+            "ran {}, reused {}, in {seconds:.2} s; {} in {}, {written} written",
+            counted(self.ran.len(), "piece"),
             self.reused,
-            self.files.len(),
+            counted(self.files.len(), "file"),
             session.figures.display()
         ));
     }

@@ -3,7 +3,8 @@
 use clap::Args;
 use serde_json::json;
 
-use crate::cli::words::{self, Line, counted};
+use crate::cli::words::{self, Line};
+use crate::text::count::counted;
 use crate::cli::{Common, Session, print_json, say};
 use crate::engine::code;
 use crate::engine::error::Result;
@@ -135,8 +136,8 @@ fn line(node: &NodePlan, (paper, name): (usize, usize)) -> Line {
     };
     let pieces = match (node.pieces, running) {
         (1, _) => String::new(),
-        (pieces, 0) => format!("  {pieces} pieces"),
-        (pieces, running) => format!("  {running} of {pieces} pieces"),
+        (pieces, 0) => format!("  {}", counted(pieces, "piece")),
+        (pieces, running) => format!("  {running} of {}", counted(pieces, "piece")),
     };
     Line {
         left: format!("{:<paper$}  {:<name$}  {state:<8}{pieces}", node.paper, node.node),

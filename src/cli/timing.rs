@@ -3,7 +3,8 @@
 use serde_json::{Value, json};
 
 use crate::cli::say;
-use crate::cli::words::{counted, seconds};
+use crate::cli::words::seconds;
+use crate::text::count::counted;
 use crate::engine::timing::StageTime;
 
 /// What is told, and of what.

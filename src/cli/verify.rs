@@ -14,7 +14,7 @@ use serde_json::json;
 use crate::cli::interrupt::{STOP, temporary_folder};
 use crate::cli::progress::{Progress, tell};
 use crate::cli::run::workers;
-use crate::cli::words::counted;
+use crate::text::count::counted;
 use crate::cli::{Common, Session, on_request, print_json, same_bits, say};
 use crate::engine::audit::{Audit, Finding, audit};
 use crate::engine::code;
@@ -119,8 +119,9 @@ fn verify_lock(args: &VerifyArgs, session: &Session) -> Result<()> {
             files => format!("; {} not here to compare", counted(files, "file")),
         };
         say(format_args!(
-            "{}: {compared} lines, all equal{left_out}",
-            path.display()
+            "{}: {}, all equal{left_out}",
+            path.display(),
+            counted(compared, "line")
         ));
     }
     let told = by_sentence(&differences);
@@ -259,13 +260,13 @@ fn print_audit(found: &Audit, differences: &[String], store: &Path, seconds: f64
     }
     let megabytes = found.bytes as f64 / 1e6;
     say(format_args!(
-        "{}: {} objects, {} records, {} parts, {} manifests; {megabytes:.1} MB hashed in {seconds:.2} s; {} damaged, \
+        "{}: {}, {}, {}, {}; {megabytes:.1} MB hashed in {seconds:.2} s; {} damaged, \
          {} missing, {} orphaned",
         store.display(),
-        grouped(found.objects),
-        grouped(found.records),
-        grouped(found.parts),
-        grouped(found.manifests),
+        counted(grouped(found.objects), "object"),
+        counted(grouped(found.records), "record"),
+        counted(grouped(found.parts), "part"),
+        counted(grouped(found.manifests), "manifest"),
         grouped(found.damaged.len() as u64),
         grouped(found.missing.len() as u64),
         grouped(found.orphaned.len() as u64)
@@ -308,7 +309,8 @@ fn verify_rebuild(args: &VerifyArgs, session: &Session) -> Result<()> {
         None => {
             let (of, nodes) = (path.display(), session.graph.nodes.len());
             say(format_args!(
-                "{of}: {nodes} nodes made from nothing in {seconds:.1} s, all equal"
+                "{of}: {} made from nothing in {seconds:.1} s, all equal",
+                counted(nodes, "node")
             ));
             Ok(())
         }

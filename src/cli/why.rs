@@ -3,7 +3,8 @@
 use clap::Args;
 use serde_json::json;
 
-use crate::cli::words::{self, Line, counted};
+use crate::cli::words::{self, Line};
+use crate::text::count::counted;
 use crate::cli::{Common, Session, print_json, say, status, target};
 use crate::engine::code;
 use crate::engine::error::Result;

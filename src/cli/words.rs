@@ -1,7 +1,5 @@
 //! Words: how costs and aligned lines are told by the verbs that plan.
 
-use std::borrow::Cow;
-
 use crate::cli::say;
 use crate::engine::plan::Cost;
 
@@ -27,28 +25,6 @@ pub(super) fn seconds(seconds: f64) -> String {
     } else {
         format!("{:.0} min", seconds / 60.0)
     }
-}
-
-/// Text in which no file name or lock can move the reader's cursor: control characters but line ends are spelled out.
-pub(super) fn plain(text: &str) -> Cow<'_, str> {
-    let is_control = |c: char| c.is_control() && c != '\n' && c != '\t';
-    if !text.contains(is_control) {
-        return Cow::Borrowed(text);
-    }
-    let spelled = text.chars().map(|c| {
-        if is_control(c) {
-            c.escape_default().to_string()
-        } else {
-            c.to_string()
-        }
-    });
-    Cow::Owned(spelled.collect())
-}
-
-/// "1 piece", "3 pieces".
-pub(super) fn counted(count: usize, noun: &str) -> String {
-    let plural = if count == 1 { "" } else { "s" };
-    format!("{count} {noun}{plural}")
 }
 
 /// A line of three columns: the left one as it is, the right one ending where all of them end.

@@ -97,3 +97,11 @@ pub struct Convergence {
     /// What no unbiased estimate goes below.
     pub floors: Floors,
 }
+
+impl Convergence {
+    /// A standard deviation over the realisations, if it says anything: that of a single realisation is 0 whatever the method does,
+    /// and so is that of realisations which all saw nothing.
+    pub fn deviation(&self, std: f64) -> Option<f64> {
+        (self.realisations > 1 && std > 0.0).then_some(std)
+    }
+}

@@ -7,6 +7,7 @@ use std::fmt::Write as _;
 
 use crate::engine::chart::{Chart, Tile};
 use crate::engine::chart_text::COLOURS;
+use crate::text::escape::xml as escape;
 
 /// Height of a row, px.
 const ROW: f64 = 34.0;
@@ -182,12 +183,4 @@ fn draw_tile(body: &mut String, tile: &Tile, [x, y, width, height]: [f64; 4]) {
         x + width + 10.0,
         escape(&note(tile))
     );
-}
-
-/// The text with XML's special characters escaped.
-fn escape(text: &str) -> String {
-    text.replace('&', "&amp;")
-        .replace('<', "&lt;")
-        .replace('>', "&gt;")
-        .replace('"', "&quot;")
 }

@@ -8,6 +8,7 @@ use std::fmt;
 use serde::Serialize;
 
 use crate::engine::tree::Tree;
+use crate::text::count;
 
 /// Where and how two artifacts differ.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
@@ -188,7 +189,11 @@ impl Walk {
 
     fn lists(&mut self, a: &[Tree], b: &[Tree], path: &Path<'_>) {
         if a.len() != b.len() {
-            let count = |list: &[Tree]| format!("{} entries", grouped(list.len() as u64));
+            let count = |list: &[Tree]| if list.len() == 1 {
+            "1 entry".to_owned()
+        } else {
+            format!("{} entries", grouped(list.len() as u64))
+        };
             self.found(path, || (count(a), count(b)), None);
         }
         for (place, (a, b)) in a.iter().zip(b).enumerate() {
@@ -279,8 +284,9 @@ fn shown(tree: &Tree) -> String {
         Tree::Whole(number) => number.to_string(),
         Tree::Real(number) => format!("{number:?}"),
         Tree::Text(text) => excerpts(text, "").0,
+        Tree::List(list) if list.len() == 1 => "1 entry".to_owned(),
         Tree::List(list) => format!("{} entries", grouped(list.len() as u64)),
-        Tree::Fields(fields) => format!("{} fields", grouped(fields.len() as u64)),
+        Tree::Fields(fields) => count::counted(grouped(fields.len() as u64), "field"),
         Tree::Variant(name, inner) if **inner == Tree::Nothing => (*name).to_owned(),
         Tree::Variant(name, inner) => format!("{name} of {}", shown(inner)),
     }

@@ -40,7 +40,8 @@ pub trait Node: Sync {
     fn pieces(&self) -> Pieces;
     fn gathers(&self) -> &'static [Axis];
     fn selects(&self) -> &'static [Select];
-    fn items(&self) -> &'static [(&'static str, &'static str)];
+    fn names(&self) -> &'static [Select];
+    fn items(&self) -> &'static [(&'static str, &'static str, u64)];
     fn keep(&self) -> Keep;
     fn schema(&self) -> &'static str;
     fn is_published(&self) -> bool;
@@ -99,7 +100,10 @@ impl<S: Stage> Node for Of<S> {
     fn selects(&self) -> &'static [Select] {
         S::SELECTS
     }
-    fn items(&self) -> &'static [(&'static str, &'static str)] {
+    fn names(&self) -> &'static [Select] {
+        S::NAMES
+    }
+    fn items(&self) -> &'static [(&'static str, &'static str, u64)] {
         S::ITEMS
     }
     fn keep(&self) -> Keep {

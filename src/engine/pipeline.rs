@@ -123,6 +123,12 @@ impl Pipeline {
                     unread.remove(&KeyPath::of(path));
                 }
             }
+            for named in node.names() {
+                match *named {
+                    Select::At(axis, path) => pinned(params, axis, path).map(drop)?,
+                    Select::Rows(axis, path) => row_names(params, axis, path).map(drop)?,
+                }
+            }
             for case in self.covering_cases(axes, &tables) {
                 let decoded = self.decode(params, &counts, *node, &case)?;
                 self.cross_off(params, *node, &case, &decoded, &mut unread)?;
@@ -260,15 +266,21 @@ pub(crate) fn rows_of(node: &dyn Node) -> Vec<(Axis, &'static str)> {
 
 /// Keys that number an item stay below their counts.
 fn check_items(params: &ParamsFile, node: &dyn Node) -> Result<()> {
-    for (key, count) in node.items() {
+    for (key, count, block) in node.items() {
         let items = params.count(count)?;
         let key = &KeyPath::of(key);
         let found = params.get(key);
         let number = found.and_then(toml::Value::as_integer);
         let number = number.and_then(|number| u64::try_from(number).ok());
-        if number.is_none_or(|number| number >= items) {
+        let is_below = |number: u64| number.checked_next_multiple_of(*block).is_some_and(|number| number < items);
+        if !number.is_some_and(is_below) {
+            let blocks = if *block > 1 {
+                format!(" in whole blocks of {block}")
+            } else {
+                String::new()
+            };
             let message = format!(
-                "expected a whole number below {count} = {items}, found {}",
+                "expected a whole number{blocks} below {count} = {items}, found {}",
                 shown(found)
             );
             return Err(params.refuse(key, &message));

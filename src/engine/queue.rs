@@ -225,8 +225,9 @@ impl Queue {
             .filter(|(left, _)| **left > 0)
             .count();
         Err(Error::Failures(format!(
-            "{}\n{undone} nodes are not done; the others are kept",
-            told.join("\n")
+            "{}\n{} not done; the others are kept",
+            told.join("\n"),
+            if undone == 1 { "1 node is".to_owned() } else { format!("{undone} nodes are") }
         )))
     }
 }

@@ -28,6 +28,7 @@ use crate::engine::store::{Found, Store};
 use crate::engine::threads::pool;
 use crate::engine::twice::{elsewhere, keep};
 use crate::engine::verify::{between, recipe_reason, toolchains};
+use crate::text::count::counted;
 
 /// How a run from nothing differs from a lock.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
@@ -187,7 +188,7 @@ fn look_into(run: &Run<'_>, node: usize, line: &Line, against: &Against<'_>) -> 
         verdict,
     };
     if let Some(then) = line.pieces.filter(|then| *then != it.pieces.len()) {
-        return Ok(changed(format!("{then} pieces -> {}", it.pieces.len())));
+        return Ok(changed(format!("{} -> {}", counted(then, "piece"), it.pieces.len())));
     }
     let earlier = earlier(run, node, line, against.ordinary);
     let id = |piece: usize| earlier.as_ref().and_then(|ids| ids.get(piece).copied().flatten());
@@ -197,8 +198,7 @@ fn look_into(run: &Run<'_>, node: usize, line: &Line, against: &Against<'_>) -> 
     if let Some((piece, again)) = made_otherwise(run, node, &differing, threads)? {
         return not_itself(run, node, piece, &again, against, threads);
     }
-    let plural = if threads == 1 { "" } else { "s" };
-    let twice = format!("made once more, on {threads} thread{plural}, it came out the same");
+    let twice = format!("made once more, on {}, it came out the same", counted(threads, "thread"));
     match differing.iter().find_map(|piece| Some((*piece, id(*piece)?))) {
         Some((piece, id)) => itself(run, (node, piece), &id, line, against, &twice),
         None => Ok(changed(format!("{twice}; {}", change(run, node, line, against)))),

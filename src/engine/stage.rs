@@ -24,8 +24,10 @@ pub trait Stage: 'static {
     const GATHERS: &'static [Axis] = &[];
     /// Axes whose values come from elsewhere than `[run]`.
     const SELECTS: &'static [Select] = &[];
-    /// Keys that number an item, each with the count that it must stay below.
-    const ITEMS: &'static [(&'static str, &'static str)] = &[];
+    /// Keys that name values of an axis and choose no case by them: each name must be that of a table of the axis.
+    const NAMES: &'static [Select] = &[];
+    /// Keys that number an item, each with the count that it must stay below and the size of the blocks it is rounded up to.
+    const ITEMS: &'static [(&'static str, &'static str, u64)] = &[];
     /// Whether the bytes of the output stay in the store.
     const KEEP: Keep = Keep::Auto;
     /// The parameters it reads: a struct whose fields are tables of the parameter file.

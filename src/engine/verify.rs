@@ -13,6 +13,7 @@ use crate::engine::id::Id;
 use crate::engine::key::KEY_SCHEMA;
 use crate::engine::lock::{Line, Lock, crates, recipes, short};
 use crate::engine::run::Run;
+use crate::text::count::counted;
 
 /// Every way in which code, parameters and published files differ from a lock; empty if none.
 pub fn against_lock(run: &Run<'_>, lock: &Lock, figures: &Path) -> Vec<String> {
@@ -27,7 +28,7 @@ pub fn against_lock(run: &Run<'_>, lock: &Lock, figures: &Path) -> Vec<String> {
         let line = known.remove(place);
         if line.pieces != Some(node.pieces.len()) {
             let pieces = line.pieces.map_or("-".to_owned(), |pieces| pieces.to_string());
-            differences.push(format!("{name}: {} pieces, the lock says {pieces}", node.pieces.len()));
+            differences.push(format!("{name}: {}, the lock says {pieces}", counted(node.pieces.len(), "piece")));
         } else if line.recipe != recipe {
             differences.push(format!("{name}: {}", recipe_reason(run, lock, index, line)));
         }

@@ -10,7 +10,12 @@
 //!
 //! Tested in `tests/plots/axes.rs`.
 
+use super::ticks::labelled;
 use crate::numerics::elementary::log10;
+use crate::text::number::{power_of_ten, short};
+
+/// An axis is wider than this share of its lower end: what is narrower, numbers hardly tell apart.
+const RESOLVED: f64 = 1e-13;
 
 /// How values are laid out along an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -51,25 +56,20 @@ impl Axis {
     /// A linear axis from `low` to `high` with about `count` ticks at round values.
     pub fn linear(low: f64, high: f64, count: u32, label: &str) -> Axis {
         let low = if low.is_finite() { low } else { 0.0 };
-        let high = if high.is_finite() && high > low {
+        // Between neighbours among the numbers there is no room for ticks.
+        let least = RESOLVED * low.abs();
+        let high = if high.is_finite() && high - low > least {
             high
         } else {
-            low + 1.0
+            low + if least < 1e-3 { 1.0 } else { 1e6 * least }
         };
-        let (values, decimals) = round_values(low, high, count);
-        let ticks = values
-            .into_iter()
-            .map(|at| Tick {
-                at,
-                label: fixed(at, decimals),
-            })
-            .collect();
+        let (ticks, label) = labelled(low, high, count, label);
         Axis {
             low,
             high,
             scale: Scale::Linear,
             ticks,
-            label: label.to_owned(),
+            label,
             labelled: true,
         }
     }
@@ -100,11 +100,7 @@ impl Axis {
         let span = if high > low { high - low } else { high.abs() + 1e-3 };
         let tick = |at: f64| Tick {
             at,
-            label: if at < 0.0 {
-                format!("−{}", -at)
-            } else {
-                at.to_string()
-            },
+            label: short(at),
         };
         Axis {
             low: low - 0.07 * span,
@@ -177,7 +173,7 @@ impl Axis {
                 let value = f64::from(digit) * decade;
                 if value >= low && value <= high {
                     let label = if digit == 1 || digit == 3 {
-                        fixed(value, 0)
+                        short(value)
                     } else {
                         String::new()
                     };
@@ -189,13 +185,21 @@ impl Axis {
             }
             decade *= 10.0;
         }
+        let mut label = label.to_owned();
+        if ticks.iter().filter(|tick| !tick.label.is_empty()).count() < 2 {
+            // A range within a decade shows round values of its own.
+            (ticks, label) = labelled(low, high, 4, &label);
+            for tick in &mut ticks {
+                tick.at = log10(tick.at);
+            }
+        }
         let (low, high) = (log10(low), log10(high));
         Axis {
             low,
             high,
             scale: Scale::Log,
             ticks,
-            label: label.to_owned(),
+            label,
             labelled: true,
         }
     }
@@ -230,7 +234,7 @@ impl Axis {
 /// A round step (1, 2, 2.5 or 5 times a power of ten) that cuts `span` about `count` times, and the decimals it needs.
 pub fn round_step(span: f64, count: u32) -> (f64, usize) {
     let wanted = span / f64::from(count.max(1));
-    if !(wanted.is_finite() && wanted > 1e-12 && wanted < 1e12) {
+    if !(wanted.is_finite() && wanted > 1e-290 && wanted < 1e290) {
         return (if span > 0.0 && span.is_finite() { span } else { 1.0 }, 3);
     }
     let mut decimals = 0_usize;
@@ -289,30 +293,6 @@ pub fn fixed(value: f64, decimals: usize) -> String {
     } else {
         digits
     }
-}
-
-/// 10ⁿ in Unicode superscripts; 1 for n = 0.
-pub fn power_of_ten(n: i32) -> String {
-    if n == 0 {
-        return "1".to_owned();
-    }
-    let mut text = String::from("10");
-    for c in n.to_string().chars() {
-        text.push(match c {
-            '-' => '⁻',
-            '1' => '¹',
-            '2' => '²',
-            '3' => '³',
-            '4' => '⁴',
-            '5' => '⁵',
-            '6' => '⁶',
-            '7' => '⁷',
-            '8' => '⁸',
-            '9' => '⁹',
-            _ => '⁰',
-        });
-    }
-    text
 }
 
 /// 10^n by multiplication.

@@ -19,6 +19,8 @@ use super::panel::Panel;
 use super::shapes::Stroke;
 use super::svg::{PLAIN, Sheet, Type, shorten};
 use super::{Error, same_length, style};
+use crate::text::count::counted;
+use crate::text::number::short;
 
 /// One method's estimates over the number of samples.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -27,8 +29,8 @@ pub struct Estimates {
     pub n_samples: Vec<f64>,
     /// Means over the realisations, as many.
     pub mean: Vec<f64>,
-    /// Population standard deviations over the realisations, as many.
-    pub std: Vec<f64>,
+    /// Population standard deviations over the realisations, as many; none where the realisations have no spread.
+    pub std: Vec<Option<f64>>,
 }
 
 /// What Figure 5 shows.
@@ -156,7 +158,7 @@ impl Estimates {
     /// The shade (n, mean, mean + std), where both are known.
     fn shade(&self) -> Vec<(f64, f64, f64)> {
         let all = self.n_samples.iter().zip(&self.mean).zip(&self.std);
-        let shade = all.map(|((n, mean), std)| (*n, *mean, mean + std));
+        let shade = all.filter_map(|((n, mean), std)| Some((*n, *mean, mean + (*std)?)));
         shade
             .filter(|(n, mean, upper)| n.is_finite() && mean.is_finite() && upper.is_finite())
             .collect()
@@ -166,7 +168,7 @@ impl Estimates {
     fn errors(&self, p_true: f64) -> Vec<(f64, f64)> {
         let all = self.n_samples.iter().zip(&self.mean).zip(&self.std);
         let square = |mean: f64, std: f64| (mean - p_true) * (mean - p_true) + std * std;
-        all.map(|((n, mean), std)| (*n, 100.0 * square(*mean, *std).sqrt() / p_true))
+        all.filter_map(|((n, mean), std)| Some((*n, 100.0 * square(*mean, (*std)?).sqrt() / p_true)))
             .collect()
     }
 
@@ -193,13 +195,13 @@ pub fn draw(figure: &Convergence) -> Result<String, Error> {
         ..PLAIN
     };
     let whose = format!(
-        "ship: {}, sea: {}, *θ*_{{t}} = {} rad, *ε*_{{1}} = {} {}, {} realisations",
+        "ship: {}, sea: {}, *θ*_{{t}} = {} rad, *ε*_{{1}} = {} {}, {}",
         figure.ship,
         figure.spectrum,
-        figure.theta_t,
-        figure.epsilon_1,
+        short(figure.theta_t),
+        short(figure.epsilon_1),
         style::EPSILON_UNIT,
-        figure.realisations
+        counted(figure.realisations, "realisation")
     );
     let room = WIDTH - LEFTS[0] - 16.0;
     sheet.text(LEFTS[0], 18.0, look, &shorten(&whose, look.size, room));
@@ -208,12 +210,16 @@ pub fn draw(figure: &Convergence) -> Result<String, Error> {
     strip(&mut sheet, WIDTH / 2.0, LEGEND, WIDTH - 20.0, &legend())?;
     let what = format!(
         "Ship: {}. Sea: {}, threshold {} rad, epsilon_1 {}. (a) Estimated group exceeding probability against the number of \
-         samples (logarithmic axis): VHGP-Seq blue, random sampling orange; line: mean over {} realisations; shade: the one-sided \
+         samples (logarithmic axis): VHGP-Seq blue, random sampling orange; line: mean over {}; shade: the one-sided \
          standard deviation, from the mean to the mean plus one standard deviation; black dashed: truth. (b) Root-mean-square \
          error over the truth in per cent, both axes logarithmic: the same two, the look-ahead design teal dash-dotted, the same \
          with a control purple dashed, VHGP-Seq's surrogate on a Latin hypercube red, short dashes; black dotted: the least that a normal \
          law over length and amplitude allows.",
-        figure.ship, figure.spectrum, figure.theta_t, figure.epsilon_1, figure.realisations
+        figure.ship,
+        figure.spectrum,
+        short(figure.theta_t),
+        short(figure.epsilon_1),
+        counted(figure.realisations, "realisation")
     );
     Ok(sheet.finish("Figure 5: convergence of VHGP-Seq and of random sampling", &what))
 }
@@ -245,9 +251,6 @@ fn estimates_panel(sheet: &mut Sheet, figure: &Convergence) -> Result<(), Error>
     }
     for (estimates, look) in both {
         panel.line(sheet, &estimates.means(), look)?;
-        if estimates.mean.len() == 1 {
-            panel.dots(sheet, &estimates.means(), style::DOT, look.colour)?;
-        }
     }
     if let Some(p_true) = figure.p_true {
         let ends = [(unlog(&panel, 0.0), p_true), (unlog(&panel, 1.0), p_true)];
@@ -305,11 +308,14 @@ fn samples_axis(all: &[&Estimates]) -> Axis {
 
 /// Estimates from zero over the largest mean plus standard deviation, but not over five times the truth.
 fn estimate_axis(figure: &Convergence) -> Axis {
-    let shades = [&figure.sequential, &figure.random]
-        .into_iter()
-        .flat_map(Estimates::shade);
+    // Means are no less than zero, so that where they have a spread it reaches above them.
+    let drawn = |estimates: &Estimates| {
+        let tops = estimates.shade().into_iter().map(|(_, _, upper)| upper);
+        tops.chain(estimates.mean.clone()).collect::<Vec<f64>>()
+    };
+    let tops = [&figure.sequential, &figure.random].into_iter().flat_map(drawn);
     let bound = figure.p_true.map_or(f64::INFINITY, |p_true| 5.0 * p_true);
-    let tops = shades.map(|(_, _, upper)| if bound > 0.0 && upper > bound { bound } else { upper });
+    let tops = tops.map(|upper| if bound > 0.0 && upper > bound { bound } else { upper });
     Axis::from_zero(tops.chain(figure.p_true), 6, "*P*_{est}(*r* > *θ*_{t})")
 }
 
@@ -344,7 +350,7 @@ pub fn csv(figure: &Convergence) -> String {
     ];
     for (method, estimates) in methods {
         for (i, n) in estimates.n_samples.iter().enumerate() {
-            let (mean, std) = (estimates.mean.get(i).copied(), estimates.std.get(i).copied());
+            let (mean, std) = (estimates.mean.get(i).copied(), estimates.std.get(i).copied().flatten());
             rows.push([method.into(), (*n).into(), mean.into(), std.into()]);
         }
     }

@@ -2,10 +2,12 @@
 //!
 //! Besides the writer: the two tables without a figure, `groups.csv` and `truth.csv`. Tested in `tests/plots/csv.rs`.
 
+use crate::text::escape;
+
 /// One cell.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Cell {
-    /// A word; quoted if it needs to be.
+    /// A word; quoted if it needs to be, and never a formula.
     Word(String),
     /// A number; empty if it is not finite.
     Number(f64),
@@ -49,8 +51,7 @@ impl Cell {
     /// The cell as it stands in the file.
     fn written(&self) -> String {
         match self {
-            Cell::Word(word) if word.contains([',', '"', '\n', '\r']) => format!("\"{}\"", word.replace('"', "\"\"")),
-            Cell::Word(word) => word.clone(),
+            Cell::Word(word) => escape::csv(word).into_owned(),
             // Adding zero turns -0 into 0.
             Cell::Number(number) if number.is_finite() => (number + 0.0).to_string(),
             Cell::Count(count) => count.to_string(),
@@ -139,8 +140,8 @@ pub struct TruthRow {
     pub groups: u64,
     /// Number of capsizes.
     pub capsizes: u64,
-    /// Share of time with |θ| above the level.
-    pub temporal_exceedance: f64,
+    /// Share of time with |θ| above the level; none if no field is in the statistics.
+    pub temporal_exceedance: Option<f64>,
 }
 
 /// Writes `truth.csv`; the last column is named by its level in hundredths of a radian, `temporal_exceedance_025`.

@@ -18,6 +18,7 @@ use super::style::{self, Method};
 use super::svg::{Anchor, PLAIN, Sheet, Type, shorten, text_width};
 use super::wave_groups::density_axes;
 use super::{Error, same_length};
+use crate::text::number::short;
 
 /// One method's probabilities.
 #[derive(Clone, Debug, PartialEq)]
@@ -28,10 +29,18 @@ pub struct Curve {
     pub theta_t: Vec<f64>,
     /// Probabilities, as many.
     pub probability: Vec<f64>,
-    /// Their standard errors, as many, or none at all.
+    /// Their standard errors, as many, or none at all; 0 where nothing tells it: where none or all of the groups exceed, and where
+    /// all groups lie in one field.
     pub standard_error: Vec<f64>,
     /// Number of groups behind them.
     pub n: u64,
+}
+
+impl Curve {
+    /// The standard error in place `i`, if there is one that tells anything.
+    pub fn known_error(&self, i: usize) -> Option<f64> {
+        self.standard_error.get(i).copied().filter(|error| *error > 0.0)
+    }
 }
 
 /// One panel: all methods at one ε₁.
@@ -168,7 +177,7 @@ fn heads(sheet: &mut Sheet, figure: &Exceedance) {
     sheet.text(DENSITY_LEFT + DENSITY_WIDTH / 2.0, y, look, "joint density");
     let Some(row) = figure.rows.first() else { return };
     for (j, cell) in row.cells.iter().enumerate() {
-        let head = format!("*ε*_{{1}} = {} {}", cell.epsilon_1, style::EPSILON_UNIT);
+        let head = format!("*ε*_{{1}} = {} {}", short(cell.epsilon_1), style::EPSILON_UNIT);
         sheet.text(LEFT + COLUMN * j as f64 + WIDTH / 2.0, y, look, &head);
     }
 }
@@ -363,7 +372,7 @@ fn error_bars(curve: &Curve) -> Vec<(f64, f64, f64)> {
     let points = curve.theta_t.iter().zip(&curve.probability).zip(&curve.standard_error);
     points
         .step_by(dotted(curve))
-        .filter(|((_, p), _)| **p > 0.0)
+        .filter(|((_, p), e)| **p > 0.0 && **e > 0.0)
         .map(|((theta_t, p), e)| (*theta_t, p - e, p + e))
         .collect()
 }
@@ -387,7 +396,7 @@ pub fn csv(figures: &[&Exceedance]) -> String {
                             (*theta_t).into(),
                             curve.method.name().into(),
                             (*p).into(),
-                            curve.standard_error.get(i).copied().into(),
+                            curve.known_error(i).into(),
                             curve.n.into(),
                         ]);
                     }

@@ -10,6 +10,7 @@ use super::shapes::Stroke;
 use super::svg::Sheet;
 use super::wave_groups::{ETA, GROUP, Group, Series, elevation_limit};
 use super::{Error, style};
+use crate::text::count::counted;
 
 /// What Figure 6 shows.
 #[derive(Clone, Debug, PartialEq)]
@@ -54,10 +55,10 @@ pub fn draw(figure: &JonswapGroups) -> Result<String, Error> {
         &legend(),
     )?;
     let what = format!(
-        "Sea: {}. Surface elevation (blue) against time in peak periods, and the {} Gaussian groups detected in its \
+        "Sea: {}. Surface elevation (blue) against time in peak periods, and the {} detected in its \
          envelope (black).",
         figure.sea,
-        figure.groups.len()
+        counted(figure.groups.len(), "Gaussian group")
     );
     Ok(sheet.finish("Figure 6: groups in the JONSWAP sea", &what))
 }

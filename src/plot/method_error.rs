@@ -17,6 +17,7 @@ use super::shapes::Stroke;
 use super::style::{self, Method};
 use super::svg::{Anchor, PLAIN, Sheet, Type, shorten};
 use super::{Error, same_length};
+use crate::text::number::short;
 
 /// One row: a sea.
 #[derive(Clone, Debug, PartialEq)]
@@ -45,8 +46,8 @@ pub struct Point {
     pub theta_t: f64,
     /// P_est / P_true.
     pub ratio: f64,
-    /// Standard error of the ratio.
-    pub standard_error: f64,
+    /// Standard error of the ratio; none if either probability has none.
+    pub standard_error: Option<f64>,
 }
 
 /// Width of a panel, px.
@@ -73,15 +74,15 @@ pub fn ratios(curve: &Curve, truth: &Curve) -> Result<Vec<Point>, Error> {
     }
     let mut points = Vec::new();
     for (k, theta_t) in truth.theta_t.iter().enumerate() {
-        let (p, of_p) = (curve.probability[k], curve.standard_error[k]);
-        let (p_true, of_true) = (truth.probability[k], truth.standard_error[k]);
+        let (p, p_true) = (curve.probability[k], truth.probability[k]);
         if p_true > 0.0 {
             let ratio = p / p_true;
-            let spread = of_p * of_p + ratio * ratio * of_true * of_true;
+            let spread = |(of_p, of_true): (f64, f64)| of_p * of_p + ratio * ratio * of_true * of_true;
+            let errors = curve.known_error(k).zip(truth.known_error(k));
             points.push(Point {
                 theta_t: *theta_t,
                 ratio,
-                standard_error: spread.sqrt() / p_true,
+                standard_error: errors.map(|errors| spread(errors).sqrt() / p_true),
             });
         }
     }
@@ -191,7 +192,7 @@ fn heads(sheet: &mut Sheet, figure: &MethodError) {
     };
     let Some(row) = figure.rows.first() else { return };
     for (j, cell) in row.cells.iter().enumerate() {
-        let head = format!("*ε*_{{1}} = {} {}", cell.epsilon_1, style::EPSILON_UNIT);
+        let head = format!("*ε*_{{1}} = {} {}", short(cell.epsilon_1), style::EPSILON_UNIT);
         sheet.text(LEFT + COLUMN * j as f64 + WIDTH / 2.0, 42.0, look, &head);
     }
 }
@@ -214,7 +215,8 @@ fn draw_cell(sheet: &mut Sheet, panel: &Panel, cell: &Cell) -> Result<(), Error>
     for truth in cell.curves.iter().filter(|curve| curve.method == Method::Truth) {
         let known = truth.theta_t.iter().zip(&truth.probability).zip(&truth.standard_error);
         let band: Vec<(f64, f64, f64)> = known
-            .filter(|((_, p), _)| **p > 0.0)
+            // Where every group exceeds, the band closes; elsewhere, without an error there is none.
+            .filter(|((_, p), error)| **p >= 1.0 || (**p > 0.0 && **error > 0.0))
             .map(|((theta_t, p), error)| {
                 let chance = if n > 0.0 && *p < 1.0 { p * (1.0 - p) / n } else { 0.0 };
                 let part = 2.0 * (error * error + chance).sqrt() / p;

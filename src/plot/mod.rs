@@ -6,7 +6,7 @@
 //! |---|---|
 //! | `style` | colours, dashes, sizes: the one look |
 //! | `svg` | the sheet that plotters draws on, and the text upon it |
-//! | `axes`, `clip` | ticks and scales; what of a curve is inside a frame |
+//! | `axes`, `ticks`, `clip` | scales, ticks and their labels; what of a curve is inside a frame |
 //! | `shapes` | lines, polygons, discs, arrows through plotters |
 //! | `panel` | a frame with two axes into which plotters draws series |
 //! | `legend` | strips of samples and their names |
@@ -38,6 +38,7 @@ pub mod response_moments;
 pub mod table;
 pub mod table_errors;
 pub mod temporal;
+mod ticks;
 pub mod wave_groups;
 
 /// Why a figure could not be drawn; reads on after "failed to draw the figure: ".

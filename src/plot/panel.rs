@@ -11,14 +11,20 @@ use plotters::coord::types::RangedCoordf64;
 use plotters::element::{Circle, PathElement, Polygon};
 use plotters::style::{Color, RGBColor};
 
-use super::axes::Axis;
+use super::axes::{Axis, Tick};
 use super::clip::{Point, Window, thin};
-use super::shapes::{Stroke, drawn, outline, paths};
+use super::shapes::{Stroke, discs, drawn, outline, paths};
 use super::svg::{self, Anchor, PLAIN, Sheet, Type};
 use super::{Error, style};
 
 /// Curves are thinned to this deviation, px.
 const TOLERANCE: f64 = 0.06;
+
+/// Least distance of the tick labels of a horizontal axis, px.
+const BETWEEN_LABELS: f64 = 3.0;
+
+/// Width of a band over a single abscissa, px.
+const LONELY_BAND: f64 = 3.0;
 
 /// Least room for the tick labels of a vertical axis, px.
 const LABEL_ROOM: f64 = 26.0;
@@ -119,36 +125,34 @@ impl Panel {
             size: style::TICK_SIZE,
             ..PLAIN
         };
-        for tick in self
-            .x
-            .ticks
-            .iter()
-            .filter(|tick| self.x.labelled && self.x.holds(tick.at))
-        {
+        let mut free_from = f64::NEG_INFINITY;
+        for tick in named(&self.x) {
             let look = Type {
                 anchor: Anchor::Middle,
                 ..look
             };
-            sheet.text(self.x_px(tick.at), bottom + 4.0 + 0.95 * look.size, look, &tick.label);
+            let (x, half) = (self.x_px(tick.at), 0.5 * svg::text_width(&tick.label, look.size));
+            // A label that would touch its neighbour is left out; its tick stays.
+            if x - half < free_from {
+                continue;
+            }
+            free_from = x + half + BETWEEN_LABELS;
+            sheet.text(x, bottom + 4.0 + 0.95 * look.size, look, &tick.label);
         }
         // Two panels above each other align their labels unless one has very long ticks.
         let mut widest = LABEL_ROOM;
-        for tick in self
-            .y
-            .ticks
-            .iter()
-            .filter(|tick| self.y.labelled && self.y.holds(tick.at))
-        {
+        let mut free_below = f64::INFINITY;
+        for tick in named(&self.y) {
+            let y = self.y_px(tick.at);
+            if y > free_below {
+                continue;
+            }
+            free_below = y - look.size;
             let look = Type {
                 anchor: Anchor::End,
                 ..look
             };
-            sheet.text(
-                self.left - 5.0,
-                self.y_px(tick.at) + 0.36 * look.size,
-                look,
-                &tick.label,
-            );
+            sheet.text(self.left - 5.0, y + 0.36 * look.size, look, &tick.label);
             let width = svg::text_width(&tick.label, look.size);
             widest = if width > widest { width } else { widest };
         }
@@ -167,11 +171,17 @@ impl Panel {
         );
     }
 
-    /// A curve through the given values (x, y).
+    /// A curve through the given values (x, y); a value without neighbours is a mark.
     pub fn line(&self, sheet: &mut Sheet, values: &[Point], look: Stroke) -> Result<(), Error> {
-        let mut parts = Vec::new();
+        let (mut parts, mut lonely) = (Vec::new(), Vec::new());
         for stretch in self.stretches(values) {
-            parts.extend(self.window().clip_line(&stretch));
+            match stretch.as_slice() {
+                [place] if self.window().holds(*place) => lonely.push((self.x_px(place.0), self.y_px(place.1))),
+                stretch => parts.extend(self.window().clip_line(stretch)),
+            }
+        }
+        if !lonely.is_empty() {
+            discs(sheet, &lonely, 0.5 * look.width + 1.0, look.colour)?;
         }
         let parts: Vec<Vec<Point>> = parts.iter().map(|part| self.thinned(part)).collect();
         self.chart(sheet, &svg::dashes(look.dash), |chart| {
@@ -188,6 +198,15 @@ impl Panel {
         colour: RGBColor,
         opacity: f64,
     ) -> Result<(), Error> {
+        if let [lonely] = values {
+            // A band over one abscissa has no area.
+            let look = Stroke {
+                colour,
+                width: LONELY_BAND,
+                dash: &[],
+            };
+            return self.bars(sheet, &[*lonely], look);
+        }
         let lower: Vec<Point> = values.iter().map(|v| (v.0, v.1)).collect();
         let upper: Vec<Point> = values.iter().rev().map(|v| (v.0, v.2)).collect();
         let around: Vec<Point> = lower.into_iter().chain(upper).collect();
@@ -327,7 +346,7 @@ impl Panel {
         places.filter(|&place| self.window().holds(place)).collect()
     }
 
-    /// The curve's stretches between values without a place; a lonely value is no stretch.
+    /// The curve's stretches between values without a place.
     fn stretches(&self, values: &[Point]) -> Vec<Vec<Point>> {
         let mut stretches = vec![Vec::new()];
         for &value in values {
@@ -336,7 +355,7 @@ impl Panel {
                 _ => stretches.push(Vec::new()),
             }
         }
-        stretches.retain(|stretch| stretch.len() > 1);
+        stretches.retain(|stretch| !stretch.is_empty());
         stretches
     }
 
@@ -362,6 +381,12 @@ impl Panel {
             .map(|point| (point.0 * across, point.1 * up))
             .collect()
     }
+}
+
+/// The ticks of an axis that carry a label to be written.
+fn named(axis: &Axis) -> impl Iterator<Item = &Tick> {
+    let inside = axis.ticks.iter().filter(|tick| axis.holds(tick.at));
+    inside.filter(|tick| axis.labelled && !tick.label.is_empty())
 }
 
 /// Length of a tick, px.

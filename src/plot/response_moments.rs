@@ -15,6 +15,8 @@ use super::shapes::Stroke;
 use super::style::{self, Method};
 use super::svg::{PLAIN, Sheet, Type, shorten};
 use super::{Error, same_length};
+use crate::text::count::{counted, thousands};
+use crate::text::number::short;
 
 /// One method's moments over ε₁.
 #[derive(Clone, Debug, PartialEq)]
@@ -29,6 +31,59 @@ pub struct Moments {
     pub std: Vec<f64>,
     /// Numbers of responses, as many.
     pub n: Vec<u64>,
+}
+
+impl Moments {
+    /// The standard deviation in place `i`: none of a single response, but for CIC, which starts every run from the same state
+    /// and has no other response.
+    fn spread(&self, i: usize) -> Option<f64> {
+        let n = self.n.get(i).copied().unwrap_or(0);
+        let known = n > 1 || self.method == Method::Cic;
+        self.std.get(i).copied().filter(|_| known)
+    }
+
+    /// The points (ε₁, moment), where the moment is known.
+    fn points(&self, of: Of) -> Vec<(f64, f64)> {
+        let known = self.epsilon_1.iter().enumerate();
+        known.filter_map(|(i, x)| Some((*x, of.value(self, i)?))).collect()
+    }
+
+    /// Bars of one standard error about the points, that of normal numbers for a standard deviation.
+    fn bars(&self, of: Of) -> Vec<(f64, f64, f64)> {
+        let bar = |(i, x): (usize, &f64)| {
+            let n = self.n.get(i).copied().filter(|n| *n > 1)?;
+            let error = self.spread(i)? / (of.halved() * n as f64).sqrt();
+            let y = of.value(self, i)?;
+            Some((*x, y - error, y + error))
+        };
+        self.epsilon_1.iter().enumerate().filter_map(bar).collect()
+    }
+}
+
+/// Which moment a row of panels shows.
+#[derive(Clone, Copy, PartialEq)]
+enum Of {
+    /// The mean.
+    Mean,
+    /// The standard deviation.
+    Spread,
+}
+
+impl Of {
+    fn value(self, moments: &Moments, i: usize) -> Option<f64> {
+        match self {
+            Of::Mean => moments.mean.get(i).copied(),
+            Of::Spread => moments.spread(i),
+        }
+    }
+
+    /// The variance of the moment is that of a response over this many n.
+    fn halved(self) -> f64 {
+        match self {
+            Of::Mean => 1.0,
+            Of::Spread => 2.0,
+        }
+    }
 }
 
 /// One column: a group shape.
@@ -85,7 +140,8 @@ pub fn draw(figure: &ResponseMoments) -> Result<String, Error> {
     let x = epsilon_axis(figure);
     let all = || figure.shapes.iter().flat_map(|shape| &shape.moments);
     let means = Axis::around(all().flat_map(|m| m.mean.iter().copied()), 5, "mean of *R* (rad)");
-    let stds = Axis::from_zero(all().flat_map(|m| m.std.iter().copied()), 5, "std. dev. of *R* (rad)");
+    let spreads = all().flat_map(|m| m.points(Of::Spread)).map(|(_, std)| std);
+    let stds = Axis::from_zero(spreads, 5, "std. dev. of *R* (rad)");
     for (j, shape) in figure.shapes.iter().enumerate() {
         let left = LEFT + COLUMN * j as f64;
         let own = |axis: &Axis| if j == 0 { axis.clone() } else { axis.clone().bare() };
@@ -113,9 +169,8 @@ pub fn draw(figure: &ResponseMoments) -> Result<String, Error> {
         ];
         upper.title(&mut sheet, &format!("({})", letters[0]), &shape_title(shape));
         lower.title(&mut sheet, &format!("({})", letters[1]), "");
-        // The standard errors of a mean and of a standard deviation, of normal numbers.
-        draw_moments(&mut sheet, &upper, shape, |moments| &moments.mean, 1.0)?;
-        draw_moments(&mut sheet, &lower, shape, |moments| &moments.std, 2.0)?;
+        draw_moments(&mut sheet, &upper, shape, Of::Mean)?;
+        draw_moments(&mut sheet, &lower, shape, Of::Spread)?;
     }
     strip(&mut sheet, width / 2.0, 434.0, width - 20.0, &legend)?;
     let what = format!(
@@ -129,25 +184,12 @@ pub fn draw(figure: &ResponseMoments) -> Result<String, Error> {
 
 /// The head of a column.
 fn shape_title(shape: &Shape) -> String {
-    let count = if shape.groups == 1 {
-        "1 group".to_owned()
-    } else {
-        format!("{} groups", thousands(shape.groups))
-    };
+    let count = counted(thousands(shape.groups), "group");
     format!(
         "*L*/*T*_{{p}} = {}, *A*/*H*_{{s}} = {} ({count})",
-        shape.l_over_tp, shape.a_over_hs
+        short(shape.l_over_tp),
+        short(shape.a_over_hs)
     )
-}
-
-/// A number of groups with its thousands parted.
-fn thousands(count: u64) -> String {
-    let digits = count.to_string();
-    let parted = |(i, c): (usize, char)| {
-        let comma = i > 0 && (digits.len() - i).is_multiple_of(3);
-        if comma { vec![',', c] } else { vec![c] }
-    };
-    digits.chars().enumerate().flat_map(parted).collect()
 }
 
 /// A tick at every ε₁.
@@ -158,27 +200,7 @@ fn epsilon_axis(figure: &ResponseMoments) -> Axis {
 }
 
 /// Draws one moment by every method, the truth's dots last.
-fn draw_moments(
-    sheet: &mut Sheet,
-    panel: &Panel,
-    shape: &Shape,
-    moment: impl Fn(&Moments) -> &Vec<f64>,
-    halved: f64,
-) -> Result<(), Error> {
-    let bars = |moments: &Moments| -> Vec<(f64, f64, f64)> {
-        let values = moments.epsilon_1.iter().zip(moment(moments));
-        let spreads = moments.std.iter().zip(&moments.n).filter(|(_, n)| **n > 1);
-        let errors = spreads.map(|(std, n)| std / (halved * *n as f64).sqrt());
-        values.zip(errors).map(|((x, y), e)| (*x, y - e, y + e)).collect()
-    };
-    let points = |moments: &Moments| -> Vec<(f64, f64)> {
-        moments
-            .epsilon_1
-            .iter()
-            .copied()
-            .zip(moment(moments).iter().copied())
-            .collect()
-    };
+fn draw_moments(sheet: &mut Sheet, panel: &Panel, shape: &Shape, of: Of) -> Result<(), Error> {
     for wanted in [Method::Cic, Method::Pic, Method::NicGroups, Method::Nic] {
         for moments in shape.moments.iter().filter(|moments| moments.method == wanted) {
             let look = Stroke {
@@ -186,14 +208,14 @@ fn draw_moments(
                 width: style::LINE,
                 dash: wanted.dash(),
             };
-            panel.line(sheet, &points(moments), look)?;
+            panel.line(sheet, &moments.points(of), look)?;
             let bar = Stroke {
                 width: 1.0,
                 dash: &[],
                 ..look
             };
-            panel.bars(sheet, &bars(moments), bar)?;
-            panel.rings(sheet, &points(moments), 3.4, Stroke { width: 1.4, ..look })?;
+            panel.bars(sheet, &moments.bars(of), bar)?;
+            panel.rings(sheet, &moments.points(of), 3.4, Stroke { width: 1.4, ..look })?;
         }
     }
     for moments in shape.moments.iter().filter(|moments| moments.method == Method::Truth) {
@@ -202,8 +224,8 @@ fn draw_moments(
             width: 0.8,
             dash: &[],
         };
-        panel.bars(sheet, &bars(moments), bar)?;
-        panel.dots(sheet, &points(moments), 2.3, style::BLACK)?;
+        panel.bars(sheet, &moments.bars(of), bar)?;
+        panel.dots(sheet, &moments.points(of), 2.3, style::BLACK)?;
     }
     Ok(())
 }
@@ -260,7 +282,7 @@ pub fn csv(figure: &ResponseMoments) -> String {
                     shape.a_over_hs.into(),
                     moments.method.name().into(),
                     moments.mean.get(i).copied().into(),
-                    moments.std.get(i).copied().into(),
+                    moments.spread(i).into(),
                     moments.n.get(i).copied().into(),
                 ]);
             }

@@ -53,7 +53,7 @@ pub const PURPLE: RGBColor = RGBColor(128, 50, 150);
 pub const TEAL: RGBColor = RGBColor(0, 136, 146);
 
 /// One of the five curves of Figure 3.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Method {
     /// P_true, from the long record.
     Truth,

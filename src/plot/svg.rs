@@ -13,6 +13,7 @@ use plotters::drawing::{DrawingArea, IntoDrawingArea};
 use plotters::style::RGBColor;
 
 use super::{Error, style};
+use crate::text::escape::xml as escape;
 
 /// Units of the view box per pixel.
 pub const SCALE: f64 = 10.0;
@@ -188,23 +189,6 @@ pub fn units(px: f64) -> i32 {
 /// A width for plotters: pixels in units of the view box, at least one.
 pub fn stroke(px: f64) -> u32 {
     units(px).unsigned_abs().max(1)
-}
-
-/// The text with XML's five characters escaped and control characters dropped.
-pub fn escape(text: &str) -> String {
-    let mut escaped = String::with_capacity(text.len());
-    for c in text.chars() {
-        match c {
-            '<' => escaped.push_str("&lt;"),
-            '>' => escaped.push_str("&gt;"),
-            '&' => escaped.push_str("&amp;"),
-            '"' => escaped.push_str("&quot;"),
-            '\'' => escaped.push_str("&apos;"),
-            c if c.is_control() => escaped.push(' '),
-            c => escaped.push(c),
-        }
-    }
-    escaped
 }
 
 /// The estimated width of a marked-up text in DejaVu Sans, px; other families run narrower.

@@ -17,14 +17,18 @@ use super::shapes::{Stroke, paths};
 use super::svg::{Anchor, PLAIN, Sheet, Type, shorten};
 use super::table_errors::errors;
 use super::{Error, style};
+use crate::text::count::counted;
+use crate::text::escape::{markdown_cell, tex};
+use crate::text::number::{short, short_decimal};
 
 /// Mean and standard deviation over the realisations.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Estimate {
     /// Mean.
     pub mean: f64,
-    /// Population standard deviation, in units of the mean.
-    pub std: f64,
+    /// Population standard deviation, in units of the mean; none if the realisations have no spread: if there is but one, or if
+    /// all of them are equal.
+    pub std: Option<f64>,
 }
 
 /// What no unbiased estimate goes below: standard deviations from one sample relative to P_true; divide by √n.
@@ -60,8 +64,12 @@ pub struct Row {
     pub theta_t: f64,
     /// P_true.
     pub p_true: Option<f64>,
-    /// Its standard error.
+    /// Its standard error; none if nothing tells it, as where no group exceeds.
     pub p_true_se: Option<f64>,
+    /// Groups behind it.
+    pub p_true_groups: u64,
+    /// The most samples, up to those of the table, that every realisation of every method reached.
+    pub reached: u64,
     /// VHGP-Seq.
     pub sequential: Option<Estimate>,
     /// Random sampling.
@@ -85,8 +93,8 @@ pub struct Row {
 pub struct Table {
     /// Name of the ship.
     pub ship: String,
-    /// Parametric excitation, 1/(m s²).
-    pub epsilon_1: f64,
+    /// Parametric excitation, 1/(m s²); none if no sea tells it.
+    pub epsilon_1: Option<f64>,
     /// Samples behind each estimate.
     pub samples: u64,
     /// Realisations behind mean and standard deviation.
@@ -104,12 +112,23 @@ fn probability(p: Option<f64>) -> String {
         .map_or(NOTHING.to_owned(), |p| format!("{p:.4}"))
 }
 
-/// A probability and its standard error.
-fn with_error(p: Option<f64>, error: Option<f64>) -> String {
-    match error.filter(|error| error.is_finite()) {
-        Some(error) if p.is_some() => format!("{} ± {error:.4}", probability(p)),
-        _ => probability(p),
+/// A probability and its standard error; where none of its groups exceeds, the bound that n of them give.
+fn with_error(row: &Row) -> String {
+    match (row.p_true, row.p_true_se.filter(|error| error.is_finite())) {
+        (Some(_), Some(error)) => format!("{} ± {error:.4}", probability(row.p_true)),
+        (Some(p), None) if p <= 0.0 && row.p_true_groups > 0 => below(row.p_true_groups as f64),
+        (p, _) => probability(p),
     }
+}
+
+/// The bound with 95 % of a probability of which n groups showed no exceedance.
+fn below(n: f64) -> String {
+    format!("< {}", short(round(3.0 / n)))
+}
+
+/// A number with two significant digits.
+fn round(value: f64) -> f64 {
+    format!("{value:.1e}").parse().unwrap_or(value)
 }
 
 /// A mean with its standard deviation in per cent of it.
@@ -121,37 +140,72 @@ fn estimate(mean: f64, std_percent: f64) -> String {
     }
 }
 
-/// Our estimate, if there is one.
+/// Our estimate, if there is one; without a standard deviation if the realisations have none.
 fn ours(known: Option<Estimate>) -> String {
     known.map_or(NOTHING.to_owned(), |known| {
-        estimate(known.mean, 100.0 * known.std / known.mean)
+        let std = known.std.unwrap_or(f64::NAN);
+        estimate(known.mean, 100.0 * std / known.mean)
     })
 }
 
+/// Our estimate by random sampling, whose samples may have seen nothing.
+fn ours_at_random(row: &Row, table: &Table) -> String {
+    match row.random {
+        Some(random) if random.mean <= 0.0 => below((table.samples * table.realisations) as f64),
+        known => ours(known),
+    }
+}
+
 /// The eleven cells of a row as they stand in every form.
-fn cells(row: &Row) -> [String; 11] {
+fn cells(row: &Row, table: &Table) -> [String; 11] {
     let paper = |cell: fn(&Printed) -> String| row.paper.as_ref().map_or(NOTHING.to_owned(), cell);
     [
         row.spectrum.clone(),
-        format!("{:?}", row.theta_t),
-        with_error(row.p_true, row.p_true_se),
+        short_decimal(row.theta_t),
+        with_error(row),
         paper(|printed| probability(Some(printed.p_true))),
         ours(row.sequential),
         paper(|printed| estimate(printed.sequential_mean, printed.sequential_std_percent)),
         ours(row.best),
         ours(row.control),
         ours(row.lhs),
-        ours(row.random),
+        ours_at_random(row, table),
         paper(|printed| estimate(printed.random_mean, printed.random_std_percent)),
     ]
+}
+
+/// What the table is of: its parametric excitation, and how the estimates came about.
+fn what(table: &Table, unit: &str, epsilon_1: &str) -> String {
+    let value = table.epsilon_1.map_or(NOTHING.to_owned(), short);
+    let realisations = counted(table.realisations, "realisation");
+    let samples = counted(table.samples, "sample");
+    format!("{epsilon_1} = {value} {unit}; mean (standard deviation in % of the mean) of {realisations} with {samples} each")
+}
+
+/// What the table leaves open, and why; empty if it leaves nothing open.
+fn left_open(table: &Table) -> String {
+    let mut words = String::new();
+    if table.rows.is_empty() {
+        words.push_str(" No data: no row of vhgp_seq.case names a sea of this run.");
+    }
+    if table.realisations == 1 {
+        words.push_str(" One realisation has no standard deviation.");
+    }
+    let short_of = table.rows.iter().filter(|row| row.reached < table.samples);
+    for row in short_of {
+        let reached = counted(row.reached, "sample");
+        let _ = write!(words, " {}: the estimates end at {reached}, since the sea has no more groups.", row.spectrum);
+    }
+    words
 }
 
 /// The sentence below the table.
 fn caption(table: &Table) -> String {
     format!(
-        "Ship {}, epsilon_1 = {} m⁻¹ s⁻²; mean (standard deviation in % of the mean) of {} realisations with {} samples each; \
-         P_true ± standard error. The rows share their random phases: they are correlated.",
-        table.ship, table.epsilon_1, table.realisations, table.samples
+        "Ship {}, {}; P_true ± standard error. The rows share their random phases: they are correlated.{}",
+        table.ship,
+        what(table, "m⁻¹ s⁻²", "epsilon_1"),
+        left_open(table)
     )
 }
 
@@ -172,7 +226,7 @@ pub fn svg(table: &Table) -> Result<String, Error> {
     heads(&mut sheet)?;
     for (i, row) in table.rows.iter().enumerate() {
         let y = head + LEADING * (i as f64 + 0.66);
-        for (j, text) in cells(row).iter().enumerate() {
+        for (j, text) in cells(row, table).iter().enumerate() {
             let colour = if matches!(j, 3 | 5 | 10) {
                 style::GREY
             } else {
@@ -200,13 +254,12 @@ pub fn svg(table: &Table) -> Result<String, Error> {
         ..PLAIN
     };
     let first = format!(
-        "Ship {}, *ε*_{{1}} = {} {}; mean (standard deviation in % of the mean) of {} realisations with {} samples each; *P*_{{true}} ± standard error.",
+        "Ship {}, {}; *P*_{{true}} ± standard error.{}",
         shorten(&table.ship, look.size, 150.0),
-        table.epsilon_1,
-        style::EPSILON_UNIT,
-        table.realisations,
-        table.samples
+        what(table, style::EPSILON_UNIT, "*ε*_{1}"),
+        left_open(table)
     );
+    let first = shorten(&first, look.size, EDGE - 22.0);
     sheet.text(22.0, foot + 24.0, look, &first);
     sheet.text(
         22.0,
@@ -301,7 +354,7 @@ pub fn markdown(table: &Table) -> String {
          |---|---|---|---|---|---|---|---|---|---|---|\n",
     );
     for row in &table.rows {
-        let line = cells(row).map(|cell| cell.replace('|', "\\|")).join(" | ");
+        let line = cells(row, table).map(|cell| markdown_cell(&cell)).join(" | ");
         let _ = writeln!(text, "| {line} |");
     }
     format!("{text}\n{}\n\n{}", caption(table), errors(table))
@@ -317,24 +370,10 @@ pub fn latex(table: &Table) -> String {
          sea & $\\theta_t$ (rad) & ours & paper & ours & paper & ours & ours & ours & ours & paper \\\\\n\\midrule\n",
     );
     for row in &table.rows {
-        let line = cells(row).map(|cell| tex(&cell)).join(" & ");
+        let line = cells(row, table).map(|cell| tex(&cell)).join(" & ");
         let _ = writeln!(text, "{line} \\\\");
     }
     format!("{text}\\bottomrule\n\\end{{tabular}}\n% {}\n", caption(table))
-}
-
-/// A cell's text with LaTeX's own characters escaped.
-fn tex(text: &str) -> String {
-    let mut escaped = String::with_capacity(text.len());
-    for c in text.chars() {
-        match c {
-            '_' | '%' | '&' | '#' | '$' | '{' | '}' => escaped.extend(['\\', c]),
-            '±' => escaped.push_str("$\\pm$"),
-            '–' => escaped.push_str("--"),
-            c => escaped.push(c),
-        }
-    }
-    escaped.replace(" \\%", "\\,\\%")
 }
 
 /// Writes `table1.csv`, columns as in the contract of published files.
@@ -369,20 +408,20 @@ pub fn csv(table: &Table) -> String {
                 row.p_true.into(),
                 row.p_true_se.into(),
                 row.sequential.map(|known| known.mean).into(),
-                row.sequential.map(|known| known.std).into(),
+                row.sequential.and_then(|known| known.std).into(),
                 row.random.map(|known| known.mean).into(),
-                row.random.map(|known| known.std).into(),
+                row.random.and_then(|known| known.std).into(),
                 row.paper.map(|printed| printed.p_true).into(),
                 row.paper.map(|printed| printed.sequential_mean).into(),
                 row.paper.map(|printed| printed.sequential_std_percent).into(),
                 row.paper.map(|printed| printed.random_mean).into(),
                 row.paper.map(|printed| printed.random_std_percent).into(),
                 row.best.map(|known| known.mean).into(),
-                row.best.map(|known| known.std).into(),
+                row.best.and_then(|known| known.std).into(),
                 row.lhs.map(|known| known.mean).into(),
-                row.lhs.map(|known| known.std).into(),
+                row.lhs.and_then(|known| known.std).into(),
                 row.control.map(|known| known.mean).into(),
-                row.control.map(|known| known.std).into(),
+                row.control.and_then(|known| known.std).into(),
             ]
         }),
     )

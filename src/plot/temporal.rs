@@ -18,6 +18,8 @@ use super::panel::Panel;
 use super::shapes::Stroke;
 use super::svg::{PLAIN, Sheet, Type, shorten};
 use super::{Error, same_length, style};
+use crate::text::count::counted;
+use crate::text::number::short;
 
 /// Probabilities against thresholds.
 #[derive(Clone, Debug, PartialEq)]
@@ -26,7 +28,7 @@ pub struct Line {
     pub theta_t: Vec<f64>,
     /// Probabilities, as many.
     pub probability: Vec<f64>,
-    /// Their standard errors, as many.
+    /// Their standard errors, as many; 0 where nothing tells it.
     pub standard_error: Vec<f64>,
 }
 
@@ -115,12 +117,12 @@ pub fn draw(figure: &Temporal) -> Result<String, Error> {
         ..PLAIN
     };
     let whose = format!(
-        "ship: {}, sea: {}, *ε*_{{1}} = {} {}, {} fields",
+        "ship: {}, sea: {}, *ε*_{{1}} = {} {}, {}",
         figure.ship,
         figure.spectrum,
-        drawn.map_or(0.0, |study| study.epsilon_1),
+        drawn.map_or("–".to_owned(), |study| short(study.epsilon_1)),
         style::EPSILON_UNIT,
-        figure.fields
+        counted(figure.fields, "field")
     );
     sheet.text(
         LEFTS[0],
@@ -185,7 +187,7 @@ fn legend(figure: &Temporal) -> Vec<Entry> {
         let reference = if i == figure.reference { " (reference)" } else { "" };
         entries.push(Entry {
             sample: Sample::Line(look(i)),
-            name: format!("*C*_{{thr}} = {}{reference}", detection.similarity_threshold),
+            name: format!("*C*_{{thr}} = {}{reference}", short(detection.similarity_threshold)),
         });
     }
     entries
@@ -262,7 +264,7 @@ fn ratio(line: &Line, reference: &Line) -> Result<Vec<(f64, f64)>, Error> {
     let known = reference.probability.iter().zip(&reference.standard_error);
     let points = points(line)?.into_iter().zip(known);
     Ok(points
-        .filter(|(_, (p, error))| **p > 0.0 && **error < 0.25 * **p)
+        .filter(|(_, (p, error))| **p >= 1.0 || (**error > 0.0 && **error < 0.25 * **p))
         .map(|((theta_t, p), (reference, _))| (theta_t, p / reference))
         .collect())
 }
@@ -277,6 +279,11 @@ fn points(line: &Line) -> Result<Vec<(f64, f64)>, Error> {
         .copied()
         .zip(line.probability.iter().copied())
         .collect())
+}
+
+/// A standard error, if there is one that tells anything.
+fn known(errors: &[f64], place: usize) -> Option<f64> {
+    errors.get(place).copied().filter(|error| *error > 0.0)
 }
 
 /// The data of Figure 7. Rows without a similarity threshold: the whole record. The others: the studied fields, with the
@@ -308,7 +315,7 @@ pub fn csv(figure: &Temporal) -> Result<String, Error> {
                 theta_t.into(),
                 whole.fields.into(),
                 p.into(),
-                whole.by_time.standard_error[k].into(),
+                known(&whole.by_time.standard_error, k).into(),
                 Cell::Unknown,
                 Cell::Unknown,
                 Cell::Unknown,
@@ -329,10 +336,10 @@ pub fn csv(figure: &Temporal) -> Result<String, Error> {
                     (*theta_t).into(),
                     figure.fields.into(),
                     (*p).into(),
-                    study.by_time.standard_error[k].into(),
+                    known(&study.by_time.standard_error, k).into(),
                     detection.similarity_threshold.into(),
                     of(&detection.by_groups.probability).into(),
-                    of(&detection.by_groups.standard_error).into(),
+                    known(&detection.by_groups.standard_error, k).into(),
                     of(&detection.within_groups.probability).into(),
                 ]);
             }

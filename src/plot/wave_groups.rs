@@ -10,7 +10,7 @@
 
 use crate::numerics::elementary::exp;
 
-use super::axes::Axis;
+use super::axes::{Axis, round_step};
 use super::clip::Point;
 use super::csv::{self, Cell};
 use super::density::{Density, upright_bar};
@@ -19,6 +19,7 @@ use super::panel::Panel;
 use super::shapes::Stroke;
 use super::svg::Sheet;
 use super::{Error, same_length, style};
+use crate::text::count::counted;
 
 /// A detected Gaussian group.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -131,10 +132,15 @@ pub const GROUP: Stroke = Stroke {
     dash: &[],
 };
 
-/// The end of a symmetric axis of elevations: the next even number of metres.
+/// The end of a symmetric axis of elevations: the next even number of metres; the next round number of a smaller sea.
 pub fn elevation_limit(largest: f64) -> f64 {
-    let limit = 2.0 * (largest * 1.05 / 2.0).ceil();
-    if limit > 2.0 { limit } else { 2.0 }
+    let wanted = largest * 1.05;
+    if wanted > 1.0 || wanted <= 0.0 {
+        let limit = 2.0 * (wanted / 2.0).ceil();
+        return if limit > 2.0 { limit } else { 2.0 };
+    }
+    let (step, _) = round_step(wanted, 5);
+    step * (wanted / step).ceil()
 }
 
 /// Draws Figure 1.
@@ -202,10 +208,10 @@ pub fn draw(figure: &WaveGroups) -> Result<String, Error> {
     strip(&mut sheet, left + width / 2.0, 394.0, width, &legend())?;
     let what = format!(
         "Sea: {}. (a) Surface elevation (blue) with its envelope (red) against time in peak periods. (b) The envelope \
-         (red) and the {} Gaussian groups fitted to it (black). (c) Joint probability density of group length over peak \
+         (red) and the {} fitted to it (black). (c) Joint probability density of group length over peak \
          period and group amplitude over significant wave height, blue low, red high.",
         figure.sea,
-        figure.groups.len()
+        counted(figure.groups.len(), "Gaussian group")
     );
     Ok(sheet.finish("Figure 1: wave groups", &what))
 }

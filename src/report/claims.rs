@@ -14,9 +14,10 @@ use crate::numerics::domain;
 use serde::{Deserialize, Serialize};
 
 use super::claims_sampling;
-use super::evidence::{Evidence, Measured, Row, ratio};
+use super::evidence::{Curve, Evidence, Measured, is_known, ratio};
 use super::finding::{Claim, Expectation};
 use crate::numerics::elementary::{ln, log10};
+use crate::plot::style::Method;
 
 /// The `[findings]` table: what the paper's words are taken to mean.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -87,18 +88,18 @@ pub(super) fn claim(
 }
 
 /// P_est / P_true of a method at Table 1's threshold.
-fn at_table(evidence: &Evidence, method: &str, sea: &str, epsilon_1: &str) -> Option<Measured> {
-    let theta_t = evidence.theta_t(sea)?;
-    let p = evidence.probability(method, sea, epsilon_1, theta_t)?;
-    ratio(p, evidence.probability("truth", sea, epsilon_1, theta_t)?)
+fn at_table(evidence: &Evidence, method: Method, sea: usize, epsilon_1: usize) -> Option<Measured> {
+    let of = |method: Method| evidence.curve(method, sea, epsilon_1).at_table;
+    ratio(of(method)?, of(Method::Truth)?)
 }
 
-/// The distance of a ratio from 1 in decades, and its standard error.
-fn decades(ratio: Measured) -> Measured {
-    Measured {
+/// The distance of a ratio from 1 in decades, and its standard error; none of a ratio that is but bounded.
+fn decades(ratio: Measured) -> Option<Measured> {
+    (ratio.value > 0.0).then(|| Measured {
         value: log10(ratio.value).abs(),
         standard_error: ratio.standard_error.map(|error| error / (ratio.value * ln(10.0))),
-    }
+        is_bound: false,
+    })
 }
 
 /// The largest of some numbers.
@@ -114,34 +115,38 @@ pub(super) fn smallest(numbers: impl Iterator<Item = Measured>) -> Option<Measur
     numbers.reduce(|least, next| if next.value < least.value { next } else { least })
 }
 
+/// One claim per sea, from the sea's place and name.
+fn per_sea(evidence: &Evidence, claim: impl Fn(usize, &str) -> Claim) -> Vec<Claim> {
+    let seas = evidence.seas.iter().enumerate();
+    seas.map(|(place, sea)| claim(place, sea)).collect()
+}
+
 /// F1.
 fn growth(evidence: &Evidence) -> Vec<Claim> {
-    let epsilons = evidence.epsilons();
-    let per_sea = |sea: &&str| {
-        let step = |pair: &[&str]| {
-            let theta_t = evidence.theta_t(sea)?;
-            let at = |epsilon_1: &str| evidence.probability("truth", sea, epsilon_1, theta_t);
-            ratio(at(pair[1])?, at(pair[0])?)
+    let of = |place: usize, sea: &str| {
+        let step = |e: usize| {
+            let at = |e: usize| evidence.curve(Method::Truth, place, e).at_table;
+            ratio(at(e)?, at(e - 1)?)
         };
         claim(
             format!("F1-{sea}"),
             "P_true grows with epsilon_1",
             "smallest ratio of P_true from one epsilon_1 to the next, at Table 1's threshold",
             Expectation::Above(1.0),
-            smallest(epsilons.windows(2).filter_map(step)),
+            smallest((1..evidence.epsilons.len()).filter_map(step)),
         )
     };
-    evidence.seas().iter().map(per_sea).collect()
+    per_sea(evidence, of)
 }
 
 /// F2.
 fn constant(evidence: &Evidence, settings: &Settings) -> Vec<Claim> {
     let known = 100.0 * settings.known;
-    let per_sea = |sea: &&str| {
-        let at_last = |epsilon_1: &&str| {
-            let theta_t = evidence.last_known(sea, epsilon_1, settings.known)?;
-            let p = evidence.probability("cic", sea, epsilon_1, theta_t)?;
-            ratio(p, evidence.probability("truth", sea, epsilon_1, theta_t)?)
+    let of = |place: usize, sea: &str| {
+        let at_last = |e: usize| {
+            let theta_t = evidence.last_known(place, e, settings.known)?;
+            let at = |method: Method| evidence.curve(method, place, e).at(theta_t);
+            ratio(at(Method::Cic)?, at(Method::Truth)?)
         };
         claim(
             format!("F2-{sea}"),
@@ -150,38 +155,41 @@ fn constant(evidence: &Evidence, settings: &Settings) -> Vec<Claim> {
                 "largest P_CIC / P_true over epsilon_1, each at the last threshold where P_true is known to {known} %"
             ),
             Expectation::AtMost(settings.far),
-            largest(evidence.epsilons().iter().filter_map(at_last)),
+            largest((0..evidence.epsilons.len()).filter_map(at_last)),
         )
     };
-    evidence.seas().iter().map(per_sea).collect()
+    per_sea(evidence, of)
 }
 
 /// F3.
 fn precomputed(evidence: &Evidence) -> Vec<Claim> {
-    let (seas, epsilons) = (evidence.seas(), evidence.epsilons());
-    let pic = |sea: &str, epsilon_1: Option<&&str>| at_table(evidence, "pic", sea, epsilon_1?);
-    let over = |sea: &&str| {
+    let first = (!evidence.epsilons.is_empty()).then_some(0);
+    // Improvement is from one epsilon_1 to another.
+    let last = evidence.epsilons.len().checked_sub(1).filter(|last| *last > 0);
+    let pic = |sea: usize, epsilon_1: Option<usize>| at_table(evidence, Method::Pic, sea, epsilon_1?);
+    let over = |place: usize, sea: &str| {
         claim(
             format!("F3a-{sea}"),
             "PIC overestimates at small epsilon_1",
             "P_PIC / P_true at the smallest epsilon_1, at Table 1's threshold",
             Expectation::Above(1.0),
-            pic(sea, epsilons.first()),
+            pic(place, first),
         )
     };
-    let nearer = |sea: &&str| {
+    let nearer = |place: usize, sea: &str| {
+        let distance = |epsilon_1| pic(place, epsilon_1).and_then(decades);
         claim(
             format!("F3b-{sea}"),
             "PIC improves with epsilon_1",
             "distance of PIC from P_true in decades at the largest epsilon_1 less that at the smallest, at Table 1's threshold",
             Expectation::Below(0.0),
-            pic(sea, epsilons.last())
-                .zip(pic(sea, epsilons.first()))
-                .map(|(last, first)| difference(decades(last), decades(first))),
+            distance(last)
+                .zip(distance(first))
+                .map(|(last, first)| difference(last, first)),
         )
     };
-    let mut claims: Vec<Claim> = seas.iter().map(over).collect();
-    claims.extend(seas.iter().map(nearer));
+    let mut claims = per_sea(evidence, over);
+    claims.extend(per_sea(evidence, nearer));
     claims.push(claim(
         "F3c".to_owned(),
         "PIC is better than CIC in most cases",
@@ -196,73 +204,78 @@ fn precomputed(evidence: &Evidence) -> Vec<Claim> {
 pub(super) fn difference(a: Measured, b: Measured) -> Measured {
     let error = |known: Measured| known.standard_error.unwrap_or(0.0);
     let spread = error(a) * error(a) + error(b) * error(b);
-    Measured {
-        value: a.value - b.value,
-        standard_error: Some(spread.sqrt()),
-    }
+    Measured::with_error(a.value - b.value, spread.sqrt())
 }
 
 /// The share of seas and epsilon_1 in which PIC is nearer to P_true than CIC.
 fn share_of_better(evidence: &Evidence) -> Option<Measured> {
     let (mut better, mut all) = (0.0, 0.0);
-    for sea in evidence.seas() {
-        for epsilon_1 in evidence.epsilons() {
-            let distance = |method: &str| at_table(evidence, method, sea, epsilon_1).map(decades);
-            if let Some((pic, cic)) = distance("pic").zip(distance("cic")) {
+    for sea in 0..evidence.seas.len() {
+        for e in 0..evidence.epsilons.len() {
+            let ratios = [Method::Pic, Method::Cic].map(|method| at_table(evidence, method, sea, e));
+            if let [Some(pic), Some(cic)] = ratios {
+                // A method that saw no exceedance is further off than any that did; two such cannot be told apart.
+                let is_better = match (decades(pic), decades(cic)) {
+                    (Some(pic), Some(cic)) => pic.value < cic.value,
+                    (pic, None) if pic.is_some() => true,
+                    (None, cic) if cic.is_some() => false,
+                    _ => continue,
+                };
                 all += 1.0;
-                better += if pic.value < cic.value { 1.0 } else { 0.0 };
+                better += if is_better { 1.0 } else { 0.0 };
             }
         }
     }
-    (all > 0.0).then_some(Measured {
-        value: better / all,
-        standard_error: None,
+    (all > 0.0).then(|| Measured::exact(better / all))
+}
+
+/// The largest distance of a method from the truth over the thresholds where their ratio is known well enough, decades.
+fn furthest(evidence: &Evidence, method: Method, sea: usize, settings: &Settings) -> Option<Measured> {
+    let in_curve = |e: usize| {
+        let (own, truth) = (evidence.curve(method, sea, e), evidence.curve(Method::Truth, sea, e));
+        largest(distances(own, truth, settings))
+    };
+    largest((0..evidence.epsilons.len()).filter_map(in_curve))
+}
+
+/// Distances of a method from the truth, decades, where their ratio is known well enough.
+fn distances<'a>(own: &'a Curve, truth: &'a Curve, settings: &Settings) -> impl Iterator<Item = Measured> + 'a {
+    let (share, near) = (settings.known, settings.decades);
+    let own = own.theta_t.iter().zip(&own.probability);
+    own.filter_map(move |(theta_t, p)| {
+        let (p, truth) = ((*p)?, truth.at(*theta_t)?);
+        if !is_known(truth, share) {
+            return None;
+        }
+        if p.is_bound {
+            // No group exceeded. The bound of the probability tells how far off the method is at least, and nothing if it is near.
+            let bound = ratio(Measured::exact(p.at_most()), truth);
+            let below = bound.filter(|bound| bound.value < 1.0).and_then(decades);
+            return below.filter(|distance| distance.value > near);
+        }
+        let ratio = ratio(p, truth).filter(|ratio| is_known(*ratio, share));
+        ratio.and_then(decades)
     })
 }
 
 /// F4 and F5.
 fn natural(evidence: &Evidence, settings: &Settings) -> Vec<Claim> {
-    let furthest = |method: &str, sea: &str| {
-        let rows = evidence
-            .exceedance
-            .rows()
-            .filter(|row| row.word("method") == method && row.word("spectrum") == sea);
-        let distance = |row: Row<'_>| {
-            let p = row.measured("probability", "standard_error")?;
-            let truth = evidence.probability("truth", sea, row.word("epsilon_1"), row.word("theta_t"))?;
-            let known = |number: Measured| {
-                number
-                    .standard_error
-                    .is_some_and(|error| error < settings.known * number.value)
-            };
-            if !known(truth) {
-                return None;
-            }
-            // Nothing where the truth has something is as far as can be told: a decade below its standard error.
-            if p.value > 0.0 {
-                return ratio(p, truth).filter(|ratio| known(*ratio)).map(decades);
-            }
-            let value = 0.1 * truth.standard_error?;
-            ratio(Measured { value, ..p }, truth).map(decades)
-        };
-        largest(rows.filter_map(distance))
-    };
     let known = 100.0 * settings.known;
     let mut claims = Vec::new();
     for (id, method, says) in [
         (
             "F4",
-            "nic",
+            Method::Nic,
             "NIC is hardly distinguishable from P_true; two groups ahead suffice for the initial condition",
         ),
         (
             "F5",
-            "nic_groups",
+            Method::NicGroups,
             "lost phases and frequency modulation matter little: NIC from reconstructed groups would do",
         ),
     ] {
-        for sea in evidence.seas() {
-            claims.push(claim(
+        claims.extend(per_sea(evidence, |place, sea| {
+            claim(
                 format!("{id}-{sea}"),
                 says,
                 &format!(
@@ -270,9 +283,9 @@ fn natural(evidence: &Evidence, settings: &Settings) -> Vec<Claim> {
                      known to {known} %"
                 ),
                 Expectation::AtMost(settings.decades),
-                furthest(method, sea),
-            ));
-        }
+                furthest(evidence, method, place, settings),
+            )
+        }));
     }
     claims
 }

@@ -10,8 +10,10 @@
 //! Tested in `tests/report/claims.rs`.
 
 use super::claims::{Settings, claim, difference, largest, smallest};
-use super::evidence::{Evidence, Measured, Row, ratio};
+use super::evidence::{Curve, Detection, Evidence, Measured, Moment, ratio};
 use super::finding::{Claim, Expectation};
+use crate::plot::style::Method;
+use crate::plot::table::{Estimate, Printed, Row};
 
 /// Which of a moment's ratios to the truth's, over the groups of Figure 4, is the number of a claim.
 #[derive(Clone, Copy, PartialEq)]
@@ -32,7 +34,7 @@ pub(super) fn moments(evidence: &Evidence, settings: &Settings) -> Vec<Claim> {
         (
             "F6a",
             "CIC catches the mean of R(a, l) and has no spread",
-            "cic",
+            Method::Cic,
             Which::Furthest,
             near,
             none,
@@ -40,7 +42,7 @@ pub(super) fn moments(evidence: &Evidence, settings: &Settings) -> Vec<Claim> {
         (
             "F6b",
             "PIC overestimates mean and spread of R(a, l) at small epsilon_1",
-            "pic",
+            Method::Pic,
             Which::SmallestAtFirst,
             above,
             above,
@@ -48,7 +50,7 @@ pub(super) fn moments(evidence: &Evidence, settings: &Settings) -> Vec<Claim> {
         (
             "F6c",
             "PIC has mean and spread of R(a, l) at large epsilon_1",
-            "pic",
+            Method::Pic,
             Which::FurthestAtLast,
             near,
             near,
@@ -56,7 +58,7 @@ pub(super) fn moments(evidence: &Evidence, settings: &Settings) -> Vec<Claim> {
         (
             "F6d",
             "NIC has mean and spread of R(a, l)",
-            "nic",
+            Method::Nic,
             Which::Furthest,
             near,
             near,
@@ -71,10 +73,10 @@ pub(super) fn moments(evidence: &Evidence, settings: &Settings) -> Vec<Claim> {
         };
         let quantity = format!(
             "mean and standard deviation of R by {} over those of the truth, {chosen}",
-            method.to_uppercase()
+            method.label()
         );
-        for (case, column, expectation) in [("mean", "mean", of_mean), ("spread", "std", of_spread)] {
-            let measured = moment(evidence, method, column, which);
+        for (case, of, expectation) in [("mean", Of::Mean, of_mean), ("spread", Of::Spread, of_spread)] {
+            let measured = moment(evidence, method, of, which);
             claims.push(claim(format!("{id}-{case}"), says, &quantity, expectation, measured));
         }
     }
@@ -86,29 +88,32 @@ fn near(wanted: f64, share: f64, error: f64) -> Expectation {
     Expectation::Near { wanted, share, error }
 }
 
+/// Which moment a claim is about.
+#[derive(Clone, Copy, PartialEq)]
+enum Of {
+    /// The mean.
+    Mean,
+    /// The standard deviation.
+    Spread,
+}
+
 /// The ratio of a method's moment to the truth's that a claim is about.
-fn moment(evidence: &Evidence, method: &str, column: &str, which: Which) -> Option<Measured> {
-    let epsilons = evidence.moments.words("epsilon_1");
-    let wanted = match which {
-        Which::Furthest => None,
-        Which::FurthestAtLast => Some(*epsilons.last()?),
-        Which::SmallestAtFirst => Some(*epsilons.first()?),
+fn moment(evidence: &Evidence, method: Method, of: Of, which: Which) -> Option<Measured> {
+    let last = evidence.epsilons.len().checked_sub(1)?;
+    let is_wanted = |epsilon_1: usize| match which {
+        Which::Furthest => true,
+        Which::FurthestAtLast => epsilon_1 == last,
+        Which::SmallestAtFirst => epsilon_1 == 0,
     };
-    let same = |a: Row<'_>, b: Row<'_>| {
-        ["epsilon_1", "l_over_tp", "a_over_hs"]
-            .iter()
-            .all(|key| a.word(key) == b.word(key))
+    let over_truth = |((_, group, epsilon_1), truth): (&(Method, usize, usize), &Moment)| {
+        let own = evidence.moments.get(&(method, *group, *epsilon_1))?;
+        ratio(of_groups(method, own, of)?, of_groups(Method::Truth, truth, of)?)
     };
-    let truths = evidence.moments.with(&[("method", "truth")]);
-    let own = evidence.moments.with(&[("method", method)]);
-    let over_truth = |truth: Row<'_>| {
-        let own = own.iter().find(|row| same(**row, truth))?;
-        ratio(of_groups(*own, column)?, of_groups(truth, column)?)
-    };
-    let ratios = truths
-        .into_iter()
-        .filter(|row| wanted.is_none_or(|epsilon_1| row.word("epsilon_1") == epsilon_1))
-        .filter_map(over_truth);
+    let truths = evidence
+        .moments
+        .iter()
+        .filter(|((method, _, epsilon_1), _)| *method == Method::Truth && is_wanted(*epsilon_1));
+    let ratios = truths.filter_map(over_truth);
     if which == Which::SmallestAtFirst {
         return smallest(ratios);
     }
@@ -116,36 +121,28 @@ fn moment(evidence: &Evidence, method: &str, column: &str, which: Which) -> Opti
     ratios.reduce(|most, next| if away(&next) > away(&most) { next } else { most })
 }
 
-/// A moment with its standard error, that of normal numbers for a standard deviation.
-fn of_groups(row: Row<'_>, column: &str) -> Option<Measured> {
-    let (n, std) = (row.number("n")?, row.number("std")?);
-    let halved = if column == "mean" { 1.0 } else { 2.0 };
-    Some(Measured {
-        value: row.number(column)?,
-        standard_error: (n > 0.0).then(|| std / (halved * n).sqrt()),
-    })
+/// A moment with its standard error, that of normal numbers for a standard deviation; none of fewer responses than it takes.
+fn of_groups(method: Method, moment: &Moment, of: Of) -> Option<Measured> {
+    // CIC starts every run from the same state: one response is all that it has, without an error.
+    let least = if method == Method::Cic { 1 } else { 2 };
+    let (value, halved) = match of {
+        Of::Mean => (moment.mean, 1.0),
+        Of::Spread => (moment.std, 2.0),
+    };
+    (moment.n >= least).then(|| Measured::with_error(value, moment.std / (halved * moment.n as f64).sqrt()))
 }
 
-/// The relative error of a method in a row of Table 1: its mean's distance from P_true and its root mean square, in P_true.
-fn errors(row: Row<'_>, method: &str, n: f64) -> Option<(Measured, Measured)> {
-    let p = row.number("p_true").filter(|p| *p > 0.0)?;
-    let (mean, std) = (
-        row.number(&format!("{method}_mean"))?,
-        row.number(&format!("{method}_std"))?,
-    );
-    let (bias, std) = (mean / p - 1.0, std / p);
+/// The relative error of a method in a row of Table 1: its mean's distance from P_true and its root mean square, in P_true;
+/// none if the realisations have no spread.
+fn errors(row: &Row, method: Option<Estimate>, n: f64) -> Option<(Measured, Measured)> {
+    let p = row.p_true.filter(|p| *p > 0.0)?;
+    let Estimate { mean, std } = method?;
+    let (bias, std) = (mean / p - 1.0, std? / p);
     let square = bias * bias + std * std;
     // Variances of a mean and of a variance of n normal numbers.
     let spread = (4.0 * bias * bias * std * std + 2.0 * std * std * std * std) / n;
-    let distance = Measured {
-        value: bias.abs(),
-        standard_error: Some(std / n.sqrt()),
-    };
-    let square = Measured {
-        value: square,
-        standard_error: Some(spread.sqrt()),
-    };
-    Some((distance, square))
+    let distance = Measured::with_error(bias.abs(), std / n.sqrt());
+    Some((distance, Measured::with_error(square, spread.sqrt())))
 }
 
 /// A number in other units.
@@ -153,6 +150,7 @@ fn times(factor: f64, number: Measured) -> Measured {
     Measured {
         value: factor * number.value,
         standard_error: number.standard_error.map(|error| factor * error),
+        ..number
     }
 }
 
@@ -160,16 +158,12 @@ fn times(factor: f64, number: Measured) -> Measured {
 pub(super) fn sampling(evidence: &Evidence, settings: &Settings) -> Vec<Claim> {
     let n = evidence.realisations as f64;
     let (mut needed, mut closer, mut narrower) = (Vec::new(), Vec::new(), Vec::new());
-    for row in evidence.table.rows() {
-        let sea = row.word("spectrum");
-        let (sequential, random) = (errors(row, "sequential", n), errors(row, "random", n));
-        let as_good = sequential.zip(row.number("p_true")).and_then(|((_, square), p)| {
-            let one = Measured {
-                value: (1.0 - p) / p,
-                standard_error: None,
-            };
-            ratio(one, square)
-        });
+    for row in &evidence.table {
+        let sea = &row.spectrum;
+        let (sequential, random) = (errors(row, row.sequential, n), errors(row, row.random, n));
+        let as_good = sequential
+            .zip(row.p_true)
+            .and_then(|((_, square), p)| ratio(Measured::exact((1.0 - p) / p), square));
         needed.push(claim(
             format!("F7-{sea}"),
             "VHGP-Seq needs O(100) samples where random sampling needs more than O(1000)",
@@ -186,7 +180,7 @@ pub(super) fn sampling(evidence: &Evidence, settings: &Settings) -> Vec<Claim> {
                 .zip(random)
                 .map(|((ours, _), (theirs, _))| times(100.0, difference(ours, theirs))),
         ));
-        let spreads = of_mean(row, "sequential", n).zip(of_mean(row, "random", n));
+        let spreads = of_mean(row.sequential, n).zip(of_mean(row.random, n));
         narrower.push(claim(
             format!("F8b-{sea}"),
             "the standard deviation of VHGP-Seq is much smaller than that of random sampling",
@@ -201,39 +195,30 @@ pub(super) fn sampling(evidence: &Evidence, settings: &Settings) -> Vec<Claim> {
 }
 
 /// The standard deviation of a method in % of its mean, its standard error that of n normal numbers.
-fn of_mean(row: Row<'_>, method: &str, n: f64) -> Option<Measured> {
-    let value = 100.0 * row.number(&format!("{method}_std"))? / row.number(&format!("{method}_mean"))?;
-    Some(Measured {
-        value,
-        standard_error: (n > 1.0).then(|| value / (2.0 * (n - 1.0)).sqrt()),
-    })
+fn of_mean(method: Option<Estimate>, n: f64) -> Option<Measured> {
+    let Estimate { mean, std } = method?;
+    let value = 100.0 * std? / mean;
+    Some(Measured::with_error(value, value / (2.0 * (n - 1.0)).sqrt()))
 }
 
 /// F9: the probability by groups under several detections.
 pub(super) fn detection(evidence: &Evidence, settings: &Settings) -> Vec<Claim> {
-    let epsilons = evidence.epsilons();
-    let studied = evidence
-        .temporal
-        .rows()
-        .find(|row| !row.word("similarity_threshold").is_empty());
-    let sea = studied.map_or("", |row| row.word("spectrum"));
-    let studied = || -> Option<Vec<Row<'_>>> {
-        let wanted = [
-            ("spectrum", sea),
-            ("epsilon_1", *epsilons.get(epsilons.len() / 2)?),
-            ("theta_t", evidence.theta_t(sea)?),
-        ];
-        let mut rows = evidence.temporal.with(&wanted);
-        rows.retain(|row| !row.word("similarity_threshold").is_empty());
-        Some(rows)
+    let middle = evidence.epsilons.len() / 2;
+    let study = evidence.study.as_ref();
+    let at = |of: fn(&Detection) -> &Vec<Curve>| -> Option<Vec<Measured>> {
+        let study = study?;
+        let theta_t = evidence.theta_t(&study.sea)?;
+        let curves = study.detections.iter().filter_map(|detection| of(detection).get(middle));
+        Some(curves.filter_map(|curve| curve.at(theta_t)).collect())
     };
-    let range = |column: &str, error: &str| {
-        let rows = studied()?;
-        let numbers = || rows.iter().filter_map(|row| row.measured(column, error));
-        ratio(largest(numbers())?, smallest(numbers())?)
+    let range = |numbers: Option<Vec<Measured>>| {
+        // One detection has nothing to be compared with.
+        let numbers = numbers.filter(|numbers| numbers.len() > 1)?;
+        let all = || numbers.iter().copied();
+        ratio(largest(all())?, smallest(all())?)
     };
-    let by_groups = range("group_probability", "group_standard_error");
-    let by_time = range("temporal_within_groups", "");
+    let by_groups = range(at(|detection| &detection.by_groups));
+    let by_time = range(at(|detection| &detection.within_groups));
     vec![
         claim(
             "F9a".to_owned(),
@@ -254,76 +239,123 @@ pub(super) fn detection(evidence: &Evidence, settings: &Settings) -> Vec<Claim> 
     ]
 }
 
-/// The numbers of Table 1.
-pub(super) fn table(evidence: &Evidence, settings: &Settings) -> Vec<Claim> {
-    let (n, theirs) = (evidence.realisations as f64, f64::from(settings.realisations));
-    let mut claims = Vec::new();
-    let rows: Vec<Row<'_>> = evidence.table.rows().collect();
-    for row in &rows {
-        if let Some(wanted) = row.number("paper_p_true") {
-            claims.push(claim(
-                format!("T1a-{}", row.word("spectrum")),
-                "Table 1's P_true",
-                "P_true",
-                near(wanted, settings.agreement, 0.0),
-                row.measured("p_true", "p_true_se"),
-            ));
-        }
+/// The mean of random sampling over the realisations; where no sample of any exceeded, its bound.
+fn random_mean(evidence: &Evidence, row: &Row) -> Option<Measured> {
+    let none_seen = Measured::none_among((evidence.samples * evidence.realisations) as f64);
+    let is_none = row.random.is_some_and(|random| random.mean <= 0.0);
+    if is_none {
+        return Some(none_seen);
     }
-    let columns = [
-        (
-            "T1b",
-            "T1c",
-            "mean of VHGP-Seq",
-            "standard deviation of VHGP-Seq, % of the mean",
-            "sequential",
-        ),
-        (
-            "T1d",
-            "T1e",
+    mean(evidence, row.random)
+}
+
+/// The mean of a method over the realisations with its standard error; none if they have no spread.
+fn mean(evidence: &Evidence, method: Option<Estimate>) -> Option<Measured> {
+    let Estimate { mean, std } = method?;
+    let n = evidence.realisations as f64;
+    Some(Measured::with_error(mean, std? / n.sqrt()))
+}
+
+/// What of a method's columns in Table 1 is compared with the paper's.
+struct Columns {
+    /// Names of the two claims, about the mean and the standard deviation.
+    ids: [&'static str; 2],
+    /// What the two numbers are.
+    what: [&'static str; 2],
+    /// Our estimate.
+    ours: fn(&Row) -> Option<Estimate>,
+    /// Our mean with its standard error.
+    mean: fn(&Evidence, &Row) -> Option<Measured>,
+    /// The paper's mean, and its standard deviation in % of it.
+    paper: fn(&Printed) -> [f64; 2],
+}
+
+/// The columns of both methods.
+const COLUMNS: [Columns; 2] = [
+    Columns {
+        ids: ["T1b", "T1c"],
+        what: ["mean of VHGP-Seq", "standard deviation of VHGP-Seq, % of the mean"],
+        ours: |row| row.sequential,
+        mean: |evidence, row| mean(evidence, row.sequential),
+        paper: |printed| [printed.sequential_mean, printed.sequential_std_percent],
+    },
+    Columns {
+        ids: ["T1d", "T1e"],
+        what: [
             "mean of random sampling",
             "standard deviation of random sampling, % of the mean",
-            "random",
-        ),
-    ];
-    for (of_means, of_stds, mean, std, method) in columns {
-        let wanted = |row: &Row<'_>| {
-            let percent = row.number(&format!("paper_{method}_std_percent"))?;
-            Some((row.number(&format!("paper_{method}_mean"))?, percent))
-        };
-        for row in &rows {
-            let Some((wanted, percent)) = wanted(row) else { continue };
-            let own = row.measured(&format!("{method}_mean"), &format!("{method}_std"));
+        ],
+        ours: |row| row.random,
+        mean: random_mean,
+        paper: |printed| [printed.random_mean, printed.random_std_percent],
+    },
+];
+
+/// The numbers of Table 1.
+pub(super) fn table(evidence: &Evidence, settings: &Settings) -> Vec<Claim> {
+    let n = evidence.realisations as f64;
+    let mut claims = Vec::new();
+    for row in &evidence.table {
+        if let Some(printed) = row.paper {
             claims.push(claim(
-                format!("{of_means}-{}", row.word("spectrum")),
-                &format!("Table 1's {mean}"),
-                mean,
-                near(wanted, settings.agreement, wanted * percent / 100.0 / theirs.sqrt()),
-                own.map(|own| Measured {
-                    standard_error: own.standard_error.map(|std| std / n.sqrt()),
-                    ..own
-                }),
-            ));
-        }
-        for row in &rows {
-            let Some((_, percent)) = wanted(row) else { continue };
-            claims.push(claim(
-                format!("{of_stds}-{}", row.word("spectrum")),
-                &format!("Table 1's {std}"),
-                std,
-                near(percent, settings.agreement, percent / (2.0 * (theirs - 1.0)).sqrt()),
-                of_mean(*row, method, n),
+                format!("T1a-{}", row.spectrum),
+                "Table 1's P_true",
+                "P_true",
+                near(printed.p_true, settings.agreement, 0.0),
+                Measured::share(
+                    row.p_true.unwrap_or(f64::NAN),
+                    row.p_true_se.unwrap_or(0.0),
+                    row.p_true_groups,
+                ),
             ));
         }
     }
-    claims.extend(rows.iter().map(|row| {
+    for columns in &COLUMNS {
+        claims.extend(means(evidence, settings, columns));
+        claims.extend(spreads(evidence, settings, columns));
+    }
+    claims.extend(evidence.table.iter().map(|row| {
         claim(
-            format!("T1f-{}", row.word("spectrum")),
+            format!("T1f-{}", row.spectrum),
             "the means of VHGP-Seq agree with P_true to 0.4 - 8 %",
             "distance of VHGP-Seq's mean from P_true, %",
             Expectation::AtMost(8.0),
-            errors(*row, "sequential", n).map(|(distance, _)| times(100.0, distance)),
+            errors(row, row.sequential, n).map(|(distance, _)| times(100.0, distance)),
         )
     }));
     claims
+}
+
+/// The means of a method beside the paper's.
+fn means(evidence: &Evidence, settings: &Settings, columns: &Columns) -> Vec<Claim> {
+    let theirs = f64::from(settings.realisations);
+    let of = |row: &Row| {
+        let [wanted, percent] = row.paper.as_ref().map(columns.paper)?;
+        let [id, what] = [columns.ids[0], columns.what[0]];
+        Some(claim(
+            format!("{id}-{}", row.spectrum),
+            &format!("Table 1's {what}"),
+            what,
+            near(wanted, settings.agreement, wanted * percent / 100.0 / theirs.sqrt()),
+            (columns.mean)(evidence, row),
+        ))
+    };
+    evidence.table.iter().filter_map(of).collect()
+}
+
+/// The standard deviations of a method beside the paper's.
+fn spreads(evidence: &Evidence, settings: &Settings, columns: &Columns) -> Vec<Claim> {
+    let (n, theirs) = (evidence.realisations as f64, f64::from(settings.realisations));
+    let of = |row: &Row| {
+        let [_, percent] = row.paper.as_ref().map(columns.paper)?;
+        let [id, what] = [columns.ids[1], columns.what[1]];
+        Some(claim(
+            format!("{id}-{}", row.spectrum),
+            &format!("Table 1's {what}"),
+            what,
+            near(percent, settings.agreement, percent / (2.0 * (theirs - 1.0)).sqrt()),
+            of_mean((columns.ours)(row), n),
+        ))
+    };
+    evidence.table.iter().filter_map(of).collect()
 }

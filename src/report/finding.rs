@@ -6,7 +6,10 @@
 //! | at most a bound | at most the bound | above it by more than two |
 //! | near the paper's value | within a share of it and two of the paper's own errors | outside, by more than two of both |
 //!
-//! Between the two a number is open: it can not be told. Tested in `tests/report/finding.rs`.
+//! Between the two a number is open: it cannot be told. Where no group exceeded, the number is 0 and two standard errors are its
+//! upper bound with 95 %; such a number is at most a bound only if its upper bound is. Tested in `tests/report/finding.rs`.
+
+use std::collections::BTreeMap;
 
 use super::evidence::Measured;
 use super::findings_text::written;
@@ -56,7 +59,11 @@ impl Outcome {
 impl Expectation {
     /// What a number says.
     pub fn outcome(self, measured: Measured) -> Outcome {
-        let Measured { value, standard_error } = measured;
+        let Measured {
+            value,
+            standard_error,
+            is_bound,
+        } = measured;
         let error = standard_error.unwrap_or(0.0);
         let slack = 2.0 * error;
         let of = |holds: bool, open: bool| match (holds, open) {
@@ -67,6 +74,8 @@ impl Expectation {
         match self {
             Self::Above(bound) => of(value - slack > bound, value + slack > bound),
             Self::Below(bound) => of(value + slack < bound, value - slack < bound),
+            // Where nothing was counted, 0 is no measured value: all that it may be has to keep the bound.
+            Self::AtMost(bound) if is_bound => of(value + slack <= bound, true),
             Self::AtMost(bound) => of(value <= bound, value - slack <= bound),
             Self::Near {
                 wanted,
@@ -88,8 +97,8 @@ impl Expectation {
             Self::AtMost(bound) => format!("at most {bound}"),
             Self::Near { wanted, share, error } => {
                 let wanted = Measured {
-                    value: wanted,
                     standard_error: (error > 0.0).then_some(error),
+                    ..Measured::exact(wanted)
                 };
                 format!("{} within {} %", written(Some(wanted)), (1000.0 * share).round() / 10.0)
             }
@@ -192,18 +201,16 @@ pub struct Finding {
 
 /// Every claim with its verdict, in the order in which the claims are first met.
 pub fn findings(printed: &[Claim], reading: &[Claim]) -> Vec<Finding> {
-    let own = |claims: &[Claim], id: &str| {
-        claims
-            .iter()
-            .find(|claim| claim.id == id)
-            .and_then(|claim| claim.measured)
+    let by_id = |claims: &[Claim]| -> BTreeMap<String, Option<Measured>> {
+        let numbers = claims.iter().map(|claim| (claim.id.clone(), claim.measured));
+        numbers.collect()
     };
-    let only_there = reading
-        .iter()
-        .filter(|claim| printed.iter().all(|known| known.id != claim.id));
+    let (in_printed, in_reading) = (by_id(printed), by_id(reading));
+    let own = |numbers: &BTreeMap<String, Option<Measured>>, id: &str| numbers.get(id).copied().flatten();
+    let only_there = reading.iter().filter(|claim| !in_printed.contains_key(&claim.id));
     let all = printed.iter().chain(only_there);
     all.map(|claim| {
-        let (of_printed, of_reading) = (own(printed, &claim.id), own(reading, &claim.id));
+        let (of_printed, of_reading) = (own(&in_printed, &claim.id), own(&in_reading, &claim.id));
         Finding {
             claim: Claim {
                 measured: of_printed,

@@ -1,7 +1,7 @@
 //! The findings as text: `findings.md` with one line per claim and a table per claim below, `findings.csv` with a row per number.
 //!
-//! A number carries as many digits as its standard error allows: two of the error's if they are below 35, else one. Tested in
-//! `tests/report/finding.rs`.
+//! A number carries as many digits as its standard error allows: two of the error's if they are below 35, else one. Where no
+//! group exceeded, it is written as `0, at most` its upper bound with 95 %. Tested in `tests/report/finding.rs`.
 
 use std::fmt::Write;
 
@@ -9,12 +9,23 @@ use super::evidence::Measured;
 use super::finding::{Expectation, Finding, Verdict};
 use crate::plot::axes::fixed;
 use crate::plot::csv::{self, Cell};
+use crate::text::escape::markdown_cell;
 
-/// A number and its standard error with the digits that the error allows; three digits where there is none.
+/// A number and its standard error with the digits that the error allows; three digits where there is none. Where nothing was
+/// counted, the upper bound.
 pub fn written(measured: Option<Measured>) -> String {
-    let Some(Measured { value, standard_error }) = measured else {
+    let Some(Measured {
+        value,
+        standard_error,
+        is_bound,
+    }) = measured
+    else {
         return "–".to_owned();
     };
+    if is_bound {
+        let bound = value + 2.0 * standard_error.unwrap_or(0.0);
+        return format!("0, at most {}", rounded(bound, exponent(bound) - 1));
+    }
     if let Some(error) = standard_error.filter(|error| *error > 0.0) {
         let digits = i32::from(leading(error) < 3.5);
         let place = exponent(error) - digits;
@@ -59,9 +70,51 @@ fn rounded(value: f64, place: i32) -> String {
     fixed(value, place.unsigned_abs() as usize)
 }
 
+/// The two ships that the claims are put to.
+#[derive(Clone, Copy, Debug)]
+pub struct Ships<'a> {
+    /// The ship with the coefficients as printed.
+    pub printed: &'a str,
+    /// Whether it was run.
+    pub printed_was_run: bool,
+    /// The first other ship of the run; none if there is no other.
+    pub reading: Option<&'a str>,
+    /// Further ships of the run, which the findings leave out.
+    pub left_out: &'a [String],
+}
+
+impl Ships<'_> {
+    /// What stands at the head of the reading's columns.
+    fn reading(&self) -> &str {
+        self.reading.unwrap_or("other")
+    }
+
+    /// What the tables cannot say because a ship has no data, or no column; empty if both have.
+    fn missing(&self) -> String {
+        let mut text = String::new();
+        if !self.printed_was_run {
+            let _ = writeln!(
+                text,
+                "No data: *{}* is not among the ships of this run. Every verdict rests on the other ship alone.\n",
+                self.printed
+            );
+        }
+        if self.reading.is_none() {
+            text.push_str("No data: this run has no ship but the printed one. Every verdict rests on it alone.\n\n");
+        }
+        if !self.left_out.is_empty() {
+            let names: Vec<String> = self.left_out.iter().map(|name| format!("*{name}*")).collect();
+            let _ = writeln!(text, "Not compared: {}, further ships of this run.\n", names.join(", "));
+        }
+        text
+    }
+}
+
 /// `findings.md`: how many numbers have which verdict, a line per claim, and a table of numbers per claim.
-pub fn markdown(findings: &[Finding], printed: &str, reading: &str) -> String {
+pub fn markdown(findings: &[Finding], ships: &Ships<'_>) -> String {
+    let (printed, reading) = (ships.printed, ships.reading());
     let mut text = String::from("# Findings against the paper\n\n");
+    text.push_str(&ships.missing());
     let _ = writeln!(
         text,
         "Each claim of the paper as a number, for *{printed}*, the ship with the coefficients as printed, and for *{reading}*, a \
@@ -94,7 +147,7 @@ pub fn markdown(findings: &[Finding], printed: &str, reading: &str) -> String {
 
 /// One line of a table.
 fn line(text: &mut String, cells: &[&str]) {
-    let cells: Vec<String> = cells.iter().map(|cell| cell.replace('|', "\\|")).collect();
+    let cells: Vec<String> = cells.iter().map(|cell| markdown_cell(cell)).collect();
     let _ = writeln!(text, "| {} |", cells.join(" | "));
 }
 
@@ -161,7 +214,8 @@ fn capital(words: &str) -> String {
 }
 
 /// `findings.csv`.
-pub fn table(findings: &[Finding], reading: &str) -> String {
+pub fn table(findings: &[Finding], ships: &Ships<'_>) -> String {
+    let reading = ships.reading();
     let header = [
         "id",
         "paper_says",
@@ -176,7 +230,11 @@ pub fn table(findings: &[Finding], reading: &str) -> String {
         "verdict",
     ];
     let value = |measured: Option<Measured>| Cell::from(measured.map(|measured| measured.value));
-    let error = |measured: Option<Measured>| Cell::from(measured.and_then(|measured| measured.standard_error));
+    // A bound is no standard error.
+    let error = |measured: Option<Measured>| {
+        let counted = measured.filter(|measured| !measured.is_bound);
+        Cell::from(counted.and_then(|measured| measured.standard_error))
+    };
     csv::write(
         header,
         findings.iter().map(|finding| {

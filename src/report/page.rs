@@ -8,7 +8,7 @@ use std::fmt::Write;
 
 use serde_json::Value;
 
-use crate::plot::svg::escape;
+use crate::text::escape::xml as escape;
 
 /// A value as the parameter file writes it.
 fn written(value: &Value) -> String {

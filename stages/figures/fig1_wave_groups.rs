@@ -43,7 +43,7 @@ impl Stage for Fig1WaveGroups {
     const NAME: &'static str = "fig1_wave_groups";
     const PAPER: &'static str = "Fig. 1";
     const SELECTS: &'static [Select] = &[Select::At(SEA, "fig1_wave_groups.sea")];
-    const ITEMS: &'static [(&'static str, &'static str)] = &[("fig1_wave_groups.field", "record.fields")];
+    const ITEMS: &'static [(&'static str, &'static str, u64)] = &[("fig1_wave_groups.field", "record.fields", 1)];
     const SCHEMA: &'static str = Published::SCHEMA;
     type Params = Params;
     type Inputs = (

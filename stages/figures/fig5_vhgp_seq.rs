@@ -64,11 +64,11 @@ impl Stage for Fig5VhgpSeq {
             epsilon_1: counts.map_or(0.0, |counts| counts.epsilon_1),
             realisations: methods.realisations,
             p_true: known.map(|(_, p_true, _)| p_true),
-            sequential: estimates(&methods.sequential),
-            random: estimates(&methods.random),
-            best: estimates(&methods.best),
-            control: estimates(&methods.control),
-            lhs: estimates(&methods.lhs),
+            sequential: estimates(&methods, &methods.sequential),
+            random: estimates(&methods, &methods.random),
+            best: estimates(&methods, &methods.best),
+            control: estimates(&methods, &methods.control),
+            lhs: estimates(&methods, &methods.lhs),
             floor: methods.floors.groups.map(|floor| floor.model),
         };
         let svg = draw(&figure).map_err(refused)?;
@@ -77,10 +77,10 @@ impl Stage for Fig5VhgpSeq {
 }
 
 /// A method as the figure takes it.
-fn estimates(spread: &Spread) -> Estimates {
+fn estimates(methods: &Spreads, spread: &Spread) -> Estimates {
     Estimates {
         n_samples: spread.n_samples.iter().map(|n| f64::from(*n)).collect(),
         mean: spread.mean.clone(),
-        std: spread.std.clone(),
+        std: spread.std.iter().map(|std| methods.deviation(*std)).collect(),
     }
 }

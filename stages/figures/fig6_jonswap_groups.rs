@@ -37,7 +37,7 @@ impl Stage for Fig6JonswapGroups {
     const NAME: &'static str = "fig6_jonswap_groups";
     const PAPER: &'static str = "Fig. 6";
     const SELECTS: &'static [Select] = &[Select::At(SEA, "fig6_jonswap_groups.sea")];
-    const ITEMS: &'static [(&'static str, &'static str)] = &[("fig6_jonswap_groups.field", "record.fields")];
+    const ITEMS: &'static [(&'static str, &'static str, u64)] = &[("fig6_jonswap_groups.field", "record.fields", 1)];
     const SCHEMA: &'static str = Published::SCHEMA;
     type Params = Params;
     type Inputs = (All<WaveSynthesis>, All<GroupDetection>);

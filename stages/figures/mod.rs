@@ -2,6 +2,7 @@
 
 pub mod calibration;
 pub mod captions;
+pub mod evidence;
 pub mod fig1_wave_groups;
 pub mod fig2_flowchart;
 pub mod fig3_exceedance;
@@ -17,4 +18,5 @@ pub mod panels;
 pub mod refusal;
 pub mod scenes;
 pub mod table1;
+pub mod table_rows;
 pub mod truth;

@@ -46,7 +46,7 @@ impl Stage for Truth {
                 fields: counts.fields,
                 groups: counts.groups,
                 capsizes: counts.capsizes,
-                temporal_exceedance: counts.time_above,
+                temporal_exceedance: (counts.fields > 0).then_some(counts.time_above),
             }));
         }
         Ok(Published::new(

@@ -219,7 +219,7 @@ impl Stage for Pinned {
     const NAME: &'static str = "pinned";
     const PAPER: &'static str = "Fig. 1";
     const SELECTS: &'static [Select] = &[Select::At(BASE, "pinned.base")];
-    const ITEMS: &'static [(&'static str, &'static str)] = &[("pinned.item", "numbers.count")];
+    const ITEMS: &'static [(&'static str, &'static str, u64)] = &[("pinned.item", "numbers.count", 1)];
     const SCHEMA: &'static str = Published::SCHEMA;
     type Params = PinnedParams;
     type Inputs = (One<Total>,);
