@@ -7,7 +7,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use indicatif::{MultiProgress, ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use crate::cli::words::plain;
-use crate::engine::event::Event;
+use crate::engine::event::{Event, Fate};
 
 /// Listens to a run and speaks on standard error.
 pub struct Progress {
@@ -69,6 +69,13 @@ impl Progress {
                     kept.display()
                 ));
             }
+            Event::DidFindOld { path, fate } => self.say(&match fate {
+                Fate::Removed => format!("{path}: removed, an earlier run made it with other parameters"),
+                Fate::Kept => format!("{path}: of an earlier run, this one did not make it"),
+                Fate::KeptEdited => {
+                    format!("{path}: of an earlier run and edited by hand since, this run did not make it")
+                }
+            }),
             Event::DidPublish { .. } => {}
         }
     }

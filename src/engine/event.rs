@@ -67,6 +67,13 @@ pub enum Event {
         /// Where the edited file is now.
         kept: PathBuf,
     },
+    /// A published file of an earlier run was found that this run did not make.
+    DidFindOld {
+        /// The path within the figures folder.
+        path: String,
+        /// What became of it.
+        fate: Fate,
+    },
     /// A published file was looked at.
     DidPublish {
         /// The path within the figures folder.
@@ -76,4 +83,15 @@ pub enum Event {
         /// Whether the file had to be written.
         written: bool,
     },
+}
+
+/// What became of a published file of an earlier run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Fate {
+    /// It was of other parameters, and was removed.
+    Removed,
+    /// It is as an earlier run wrote it, and is kept.
+    Kept,
+    /// It was edited since, and is kept.
+    KeptEdited,
 }

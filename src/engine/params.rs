@@ -127,6 +127,16 @@ impl ParamsFile {
         keys.try_fold(first, |value, key| value.as_table()?.get(key))
     }
 
+    /// All parameters in force as TOML that can be used as an overlay.
+    pub fn text(&self) -> String {
+        toml::to_string(&self.values).expect("values that were read from TOML can be written as TOML")
+    }
+
+    /// The same as a table.
+    pub(crate) fn table(&self) -> &Table {
+        &self.values
+    }
+
     /// The place where a path, or the nearest table around it, was written: `stages/paper.toml:62`, or `--set`.
     pub fn origin(&self, path: &str) -> &str {
         let mut known = path;
