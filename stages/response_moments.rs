@@ -13,7 +13,6 @@ use crate::engine::error::{Error, Result};
 use crate::engine::stage::{Here, Select, Stage};
 use crate::numerics::invariant;
 use crate::numerics::domain::{all_within, at_most};
-use crate::sea::spectrum::Sea;
 use crate::sea::wave_field::Record;
 use crate::sea::wave_group::Groups;
 use crate::ship::encounter::{Approach, Encounter, GroupRun, max_roll_through_groups};

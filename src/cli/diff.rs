@@ -110,7 +110,7 @@ fn tables(common: &Common, revision: &Revision, old: &ParamsFile, new: &ParamsFi
     if common.profile != Profile::Paper {
         return Ok(tables);
     }
-    let folder = common.figures_folder()?;
+    let folder = common.figures_folder(new)?;
     let before = old.list(SHIP).unwrap_or_default();
     for (place, ship) in new.list(SHIP)?.iter().enumerate() {
         let prefix = |place: usize| if place == 0 { String::new() } else { format!("{ship}/") };

@@ -7,6 +7,7 @@ pub mod graph;
 mod interrupt;
 pub mod progress;
 pub mod run;
+mod session;
 pub mod show;
 pub mod status;
 mod timing;
@@ -15,25 +16,17 @@ pub mod why;
 mod words;
 
 use std::io::{self, Write};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::ExitCode;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Mutex, PoisonError};
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
-use crate::engine::claim;
-use crate::engine::disk::System;
 use crate::engine::error::{Error, Result};
-use crate::engine::graph::Graph;
-use crate::engine::node::Node;
-use crate::engine::params::ParamsFile;
-use crate::engine::store::Store;
 use crate::text::escape;
 use crate::engine::target::Target;
 use crate::numerics::lanes::Level;
 use crate::numerics::self_test;
-use crate::stages::PIPELINE;
-use crate::stages::axes::SHIP;
 
 /// Gong & Pan's ships encountering wave groups: the whole paper from seeds, through a cache.
 #[derive(Debug, Parser)]
@@ -80,9 +73,14 @@ pub struct Common {
     /// The folder of cached outputs [default: artifacts]
     #[arg(long, value_name = "DIR")]
     store: Option<PathBuf>,
-    /// The folder of figures [default: figures for the paper profile, else within the store]
+    /// The folder of figures [default: figures for the paper profile, artifacts/figures/PROFILE for another, for a
+    /// what-if (--overlay, --set) artifacts/figures/NAME, or whatif-HASH of what differs]
     #[arg(long, value_name = "DIR")]
     figures: Option<PathBuf>,
+    /// The name of a what-if, whose figures lie in artifacts/figures/NAME with their parameters: at most 64 letters,
+    /// digits, `_` and `-`
+    #[arg(long, value_name = "NAME")]
+    name: Option<String>,
     /// Print one JSON object on standard output
     #[arg(long)]
     json: bool,
@@ -95,6 +93,9 @@ enum Profile {
     Tiny,
 }
 
+/// The profiles, which have folders and locks of their names.
+const PROFILES: [&str; 3] = ["paper", "quick", "tiny"];
+
 impl Profile {
     fn name(self) -> &'static str {
         match self {
@@ -103,99 +104,6 @@ impl Profile {
             Self::Tiny => "tiny",
         }
     }
-}
-
-impl Common {
-    /// The folder that holds `stages/paper.toml`: this one or the nearest above it.
-    fn root() -> Result<PathBuf> {
-        let mut folder = PathBuf::new();
-        for _ in 0..16 {
-            if folder.join("stages/paper.toml").is_file() {
-                return Ok(folder);
-            }
-            folder.push("..");
-        }
-        Err(Error::Usage(
-            "stages/paper.toml: expected in this folder or one above it, found in none; run encounter in its repository"
-                .to_owned(),
-        ))
-    }
-
-    fn params(&self) -> Result<ParamsFile> {
-        let stages = Self::root()?.join("stages");
-        let mut files = vec![stages.join("paper.toml")];
-        if self.profile != Profile::Paper {
-            files.push(stages.join(format!("{}.toml", self.profile.name())));
-        }
-        files.extend(self.overlay.iter().cloned());
-        let files: Vec<&Path> = files.iter().map(PathBuf::as_path).collect();
-        ParamsFile::read(&files, &self.set)
-    }
-
-    fn store_folder(&self) -> Result<PathBuf> {
-        self.store
-            .clone()
-            .map_or_else(|| Ok(Self::root()?.join("artifacts")), Ok)
-    }
-
-    fn figures_folder(&self) -> Result<PathBuf> {
-        if let Some(folder) = &self.figures {
-            return Ok(folder.clone());
-        }
-        if self.is_custom() {
-            return Ok(self.store_folder()?.join("figures/custom"));
-        }
-        match self.profile {
-            Profile::Paper => Ok(Self::root()?.join("figures")),
-            other => Ok(self.store_folder()?.join("figures").join(other.name())),
-        }
-    }
-
-    /// The lock of a run of everything, or of the one output named that only runs on request.
-    fn lock_file(&self, targets: &[String]) -> Result<PathBuf> {
-        let profile = self.profile.name();
-        let name = match on_request(targets) {
-            Some(own) if self.profile == Profile::Paper => own.to_owned(),
-            Some(own) => format!("{profile}.{own}"),
-            None => profile.to_owned(),
-        };
-        Ok(self.store_folder()?.join(format!("{name}.lock")))
-    }
-
-    /// Whether parameters differ from those of the profile, so that nothing committed may be touched.
-    fn is_custom(&self) -> bool {
-        !self.overlay.is_empty() || !self.set.is_empty()
-    }
-
-    fn open(&self, targets: &[String]) -> Result<Session> {
-        self.open_targets(&targets.iter().map(|text| target(text)).collect::<Result<Vec<_>>>()?)
-    }
-
-    /// The same for whole nodes, whatever pieces the targets name.
-    fn open_nodes(&self, targets: &[String]) -> Result<Session> {
-        let whole = |text: &String| target(text).map(|target| Target { piece: None, ..target });
-        self.open_targets(&targets.iter().map(whole).collect::<Result<Vec<_>>>()?)
-    }
-
-    fn open_targets(&self, targets: &[Target]) -> Result<Session> {
-        let params = self.params()?;
-        let graph = Graph::new(&PIPELINE, &params, targets)?;
-        let ships = params.list(SHIP)?;
-        Ok(Session {
-            graph,
-            ships,
-            store: self.store_folder()?,
-            figures: self.figures_folder()?,
-        })
-    }
-}
-
-/// The one target, if it is published and only on request: it has a lock of its own.
-fn on_request(targets: &[String]) -> Option<&str> {
-    let [own] = targets else { return None };
-    let is_it = |node: &&dyn Node| node.name() == own && node.is_published();
-    let is_published = PIPELINE.contents.iter().any(is_it);
-    (is_published && PIPELINE.on_request.contains(&own.as_str())).then_some(own.as_str())
 }
 
 /// Reads a target. All epsilon_1 of a ship lie in one node, so `nic/calibrated-S1-0.002` is `nic/calibrated-S1`.
@@ -208,52 +116,6 @@ fn target(text: &str) -> Result<Target> {
         *case = format!("{ship}-{sea}");
     }
     Ok(target)
-}
-
-/// What a verb works on.
-struct Session {
-    graph: Graph,
-    ships: Vec<String>,
-    store: PathBuf,
-    figures: PathBuf,
-}
-
-impl Session {
-    fn open_store(&self) -> Result<Store> {
-        Store::open_on(Store::disk(&self.store)?, &wait_for_gc).map(told_of_locks)
-    }
-
-    /// The store, which need not be there, for reading.
-    fn look_at_store(&self) -> Result<Store> {
-        claim::check(&self.store)?;
-        let disk = System::look(&self.store).map_err(Error::io("look into the store", &self.store))?;
-        let store = Store::look_on(Arc::new(disk), &wait_for_gc);
-        Ok(told_of_locks(store))
-    }
-}
-
-impl Session {
-    /// Says what the grids and steps resolve poorly.
-    fn warn(&self) {
-        for warning in &self.graph.warnings {
-            progress::tell(&format!("warning: {warning}"));
-        }
-    }
-}
-
-/// Says so where the file system has no locks.
-fn told_of_locks(store: Store) -> Store {
-    if store.is_without_locks() {
-        let folder = store.root().display();
-        progress::tell(&format!(
-            "{folder} has no file locks: runs at once may do the same work twice, nothing else"
-        ));
-    }
-    store
-}
-
-fn wait_for_gc() {
-    progress::tell("waiting for `encounter gc`, which has the store to itself");
 }
 
 /// Prints a line; a reader that has gone, such as `head`, is no error.

@@ -6,9 +6,9 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use indicatif::{MultiProgress, ProgressBar, ProgressDrawTarget, ProgressStyle};
 
-use crate::text::escape::terminal;
-use crate::engine::event::Event;
+use crate::engine::event::{Event, Fate};
 use crate::text::count::counted;
+use crate::text::escape::terminal;
 
 /// Listens to a run and speaks on standard error.
 pub struct Progress {
@@ -49,6 +49,8 @@ impl Progress {
         let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
         match event {
             Event::DidPlan { nodes } => {
+                // A walk that begins anew meets every piece again.
+                *state = State::default();
                 for (node, pieces) in nodes {
                     state.nodes.insert(node.clone(), (*pieces, 0, 0.0));
                     let stage = state.stages.entry(stage_of(node).to_owned()).or_default();
@@ -60,6 +62,9 @@ impl Progress {
             Event::DidRun { node, seconds, .. } => self.did(&mut state, node, Some(*seconds)),
             Event::DidReuse { node, .. } => self.did(&mut state, node, None),
             Event::DidHeal { node, piece, why } => self.say(&format!("{node}/{piece}: {why}; making it again")),
+            Event::DidDistrust { node, why } => {
+                self.say(&format!("{node}: the store held what no stage has made ({why}); set aside, looking again"));
+            }
             Event::DidFail { message, .. } => self.say(message),
             Event::DidWait { node, piece } => {
                 self.say(&format!("{node}/{piece}: another run is making it; waiting"));
@@ -70,6 +75,13 @@ impl Progress {
                     kept.display()
                 ));
             }
+            Event::DidFindOld { path, fate } => self.say(&match fate {
+                Fate::Removed => format!("{path}: removed, an earlier run made it with other parameters"),
+                Fate::Kept => format!("{path}: of an earlier run, this one did not make it"),
+                Fate::KeptEdited => {
+                    format!("{path}: of an earlier run and edited by hand since, this run did not make it")
+                }
+            }),
             Event::DidPublish { .. } => {}
         }
     }

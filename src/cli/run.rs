@@ -1,5 +1,6 @@
 //! `encounter run`: make what is missing, then write figures, tables and the lock.
 
+use std::path::PathBuf;
 use std::sync::Mutex;
 use std::time::Instant;
 
@@ -8,11 +9,13 @@ use serde_json::json;
 
 use crate::cli::interrupt::STOP;
 use crate::cli::progress::Progress;
-use crate::cli::{Common, Session, gc, on_request, print_json, same_bits, say, status, timing};
+use crate::cli::session::{Session, on_request};
+use crate::cli::verify::read_lock;
+use crate::cli::{Common, gc, print_json, progress, same_bits, say, status, timing};
 use crate::engine::code;
-use crate::engine::disk::read_text;
 use crate::engine::error::{Error, Result};
-use crate::engine::event::Event;
+use crate::engine::event::{Event, Fate};
+use crate::engine::figures;
 use crate::engine::lock::Lock;
 use crate::engine::plan::decide_all;
 use crate::engine::publish;
@@ -36,6 +39,15 @@ pub struct RunArgs {
     /// Only say what would run
     #[arg(long)]
     dry_run: bool,
+    /// Exit with 3 if a line of the committed lock differs from what this run made; nothing is accepted
+    #[arg(long, conflicts_with_all = ["dry_run", "update_lock"])]
+    locked: bool,
+    /// Write what this run made into the lock, which nothing else changes
+    #[arg(long, conflicts_with = "dry_run")]
+    update_lock: bool,
+    /// Let the figures of this what-if take the place of those that its --name already has
+    #[arg(long, requires = "name")]
+    replace: bool,
     /// Print nodes, pieces, seconds of one core, bytes and throughput of each stage: of what ran, or, if nothing had to,
     /// of when each piece was made
     #[arg(long, conflicts_with = "dry_run")]
@@ -50,6 +62,28 @@ struct Ledger {
     healed: Vec<String>,
     failed: Vec<String>,
     files: Vec<(String, String, bool)>,
+    /// Published files of earlier runs that this one did not make.
+    old: Vec<(String, Fate)>,
+}
+
+/// The lock of a run that has one, compared with what the run made.
+struct Compared {
+    path: PathBuf,
+    /// Lines that the run made.
+    lines: usize,
+    /// Names of lines that differ; of all of them where there is no lock yet.
+    differ: Vec<String>,
+    state: LockState,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum LockState {
+    /// There is none yet.
+    None,
+    /// It is as it was.
+    Kept,
+    /// This run was told to write it, and it differed.
+    Written,
 }
 
 /// Runs the verb.
@@ -57,7 +91,17 @@ struct Ledger {
 /// # Errors
 /// A parameter, store or stage that fails.
 pub fn run(args: &RunArgs) -> Result<()> {
-    let session = args.common.open(&args.target)?;
+    if let Some(option) = [("--locked", args.locked), ("--update-lock", args.update_lock)]
+        .into_iter()
+        .find_map(|(option, is_given)| is_given.then_some(option))
+        .filter(|_| !keeps_lock(args))
+    {
+        return Err(without_lock(args, option));
+    }
+    let mut session = args.common.open(&args.target)?;
+    if args.replace {
+        session.replace();
+    }
     if args.dry_run {
         return status::print(&args.common, &session);
     }
@@ -71,16 +115,32 @@ pub fn run(args: &RunArgs) -> Result<()> {
         ledger.lock().expect("a listener does not panic").hear(event);
     };
     let outcome = execute(args, &session, &store, &listener).map_err(|error| gc::hint(error, &session.store));
+    let (compared, outcome) = match outcome {
+        Ok(compared) => (compared, Ok(())),
+        Err(error) => (None, Err(error)),
+    };
     progress.finish();
+    for (path, kept) in store.put_aside() {
+        progress::tell(&format!("{path} was no file or folder of the store's own: moved to {}", kept.display()));
+    }
     let ledger = ledger.into_inner().expect("a listener does not panic");
     let seconds = start.elapsed().as_secs_f64();
     let times = args.profile_time.then(|| ledger.times(&session, &store, seconds));
     drop(store);
     if args.common.json {
-        print_json(&ledger.json(seconds, &session.graph.warnings, times.as_ref()));
+        print_json(&ledger.json(&session, seconds, times.as_ref(), compared.as_ref()));
     } else if outcome.is_ok() {
         ledger.print(&session, seconds, times.as_ref());
+        if let Some(compared) = &compared {
+            say(format_args!("{}", compared.sentence(&args.common, &args.target)));
+        }
     }
+    let outcome = outcome.and_then(|()| match &compared {
+        Some(compared) if args.locked && !compared.differ.is_empty() => {
+            Err(Error::Difference(compared.sentence(&args.common, &args.target)))
+        }
+        _ => Ok(()),
+    });
     if outcome.is_ok() && !ledger.ran.is_empty() {
         gc::after_run(&session.store);
     }
@@ -95,25 +155,54 @@ pub(super) fn workers(j: Option<u16>) -> usize {
     )
 }
 
-fn execute(args: &RunArgs, session: &Session, store: &Store, listener: &(dyn Fn(&Event) + Sync)) -> Result<()> {
-    publish::clear(&session.graph, SHIP, &session.ships, &session.figures, store.root());
-    let run = Run::new(&session.graph, store, listener).until(&STOP);
-    if !decide_all(&run) {
+/// Walks until nothing in the store is left that no stage has made: each walk sets aside what it comes upon.
+fn execute(
+    args: &RunArgs,
+    session: &Session,
+    store: &Store,
+    listener: &(dyn Fn(&Event) + Sync),
+) -> Result<Option<Compared>> {
+    loop {
+        match walk(args, session, store, listener) {
+            Err(Error::Distrusted { .. }) => {}
+            done => return done,
+        }
+    }
+}
+
+fn walk(
+    args: &RunArgs,
+    session: &Session,
+    store: &Store,
+    listener: &(dyn Fn(&Event) + Sync),
+) -> Result<Option<Compared>> {
+    let set = session.set();
+    if args.locked {
+        // A lock that cannot be read is told before hours of work.
+        read_lock(&args.common.lock_file(&args.target)?)?;
+    }
+    let run = Run::new(&session.graph, store, listener).in_checkout(session.checkout.root());
+    let run = run.until(&STOP);
+    if decide_all(&run) {
+        set.check()?;
+    } else {
         same_bits()?;
-        publish::check_folder(&session.graph, SHIP, &session.ships, &session.figures)?;
+        publish::check_folder(&session.graph, SHIP, &session.ships, &set)?;
     }
     let outcome = schedule::execute(&run, workers(args.j));
     if !matches!(outcome, Ok(()) | Err(Error::Failures(_))) {
-        return outcome;
+        return outcome.map(|()| None);
     }
     let texts = publish::texts(&run, SHIP, &session.ships)?;
-    publish::publish(&run, &texts, &session.figures)?;
+    let layout = publish::layout(&session.graph, SHIP, &session.ships);
+    let due = session.due().exactly(&run, &layout, &texts, |_| true);
+    publish::publish(&run, &texts, &due, &set)?;
     outcome?;
-    if keeps_lock(args) {
-        let lock = Lock::of(&run, args.common.profile.name(), code::RUSTC, &texts)?;
-        write_lock(args, &lock)?;
+    if !keeps_lock(args) {
+        return Ok(None);
     }
-    Ok(())
+    let made = Lock::of(&run, args.common.profile.name(), code::RUSTC, &texts)?;
+    compare_lock(args, &made).map(Some)
 }
 
 /// Whether the run has a lock: one of everything, or of an output that only runs on request, parameters as committed.
@@ -121,14 +210,79 @@ fn keeps_lock(args: &RunArgs) -> bool {
     (args.target.is_empty() || on_request(&args.target).is_some()) && !args.common.is_custom()
 }
 
-/// Writes the lock, unless only the compiler's name would change.
-fn write_lock(args: &RunArgs, lock: &Lock) -> Result<()> {
+/// Why a run has no lock.
+fn without_lock(args: &RunArgs, option: &str) -> Error {
+    let why = if args.common.is_custom() {
+        "found --overlay or --set: a lock holds what the profile's own parameters make, and a what-if has none"
+            .to_owned()
+    } else {
+        format!("found the target `{}`: a lock holds a whole run", args.target.join(" "))
+    };
+    Error::Usage(format!("{option}: expected a run of everything, {why}"))
+}
+
+/// Compares what a run made with the committed lock, and writes it if that was asked for.
+fn compare_lock(args: &RunArgs, made: &Lock) -> Result<Compared> {
     let path = args.common.lock_file(&args.target)?;
-    let old = read_text(&path).ok().and_then(|text| Lock::parse(&text).ok());
-    if old.is_some_and(|old| old.says_the_same_as(lock)) {
-        return Ok(());
+    let is_there = path.symlink_metadata().is_ok();
+    let committed = match read_lock(&path) {
+        Ok(lock) => Some(lock),
+        Err(_) if !is_there => None,
+        Err(error) if args.locked => return Err(error),
+        Err(error) => {
+            progress::tell(&format!("{error}"));
+            None
+        }
+    };
+    let differ = match &committed {
+        Some(committed) => committed.differing(made),
+        None => made.lines.iter().map(|line| line.name.clone()).collect(),
+    };
+    let mut state = if is_there { LockState::Kept } else { LockState::None };
+    if args.update_lock && !(committed.is_some() && differ.is_empty()) {
+        figures::write(&path, &made.text())?;
+        state = LockState::Written;
     }
-    publish::write(&path, &lock.text())
+    Ok(Compared {
+        path,
+        lines: made.lines.len(),
+        differ,
+        state,
+    })
+}
+
+impl Compared {
+    /// How the lock stands, and what to do about it.
+    fn sentence(&self, common: &Common, targets: &[String]) -> String {
+        let Self {
+            path,
+            lines,
+            differ,
+            state,
+        } = self;
+        let path = path.display();
+        let target = on_request(targets).map_or(String::new(), |target| format!("{target} "));
+        let accept = format!(
+            "encounter run {target}--profile {} --update-lock",
+            common.profile.name()
+        );
+        let count = differ.len();
+        match (state, differ.first()) {
+            (LockState::None, _) => format!("no lock yet: `{accept}` writes the {lines} lines of this run to {path}"),
+            (_, None) => format!("{path}: {lines} lines as committed"),
+            (LockState::Written, Some(_)) => format!("{path}: written, {count} of {lines} lines changed"),
+            (LockState::Kept, Some(first)) => {
+                format!("{count} of {lines} lines differ from {path}: first {first}; accept them with: {accept}")
+            }
+        }
+    }
+
+    fn json(&self) -> serde_json::Value {
+        json!({
+            "path": self.path.display().to_string(), "lines": self.lines,
+            "equal": self.lines.saturating_sub(self.differ.len()), "differ": self.differ,
+        })
+    }
 }
 
 impl Ledger {
@@ -142,12 +296,22 @@ impl Ledger {
             } => {
                 self.ran.push((node.clone(), *piece, *seconds, *bytes));
             }
+            // A walk that begins anew meets every piece again.
+            Event::DidPlan { .. } => self.reused = 0,
             Event::DidReuse { .. } => self.reused += 1,
             Event::DidHeal { node, piece, why } => self.healed.push(format!("{node}/{piece}: {why}")),
             Event::DidFail { node, piece, message } => self.failed.push(format!("{node}/{piece}: {message}")),
             Event::DidPublish { path, id, written } => self.files.push((path.clone(), id.clone(), *written)),
-            Event::DidPlan { .. } | Event::WillRun { .. } | Event::DidWait { .. } | Event::DidSetAside { .. } => {}
+            Event::DidFindOld { path, fate } => self.old.push((path.clone(), *fate)),
+            Event::DidDistrust { node, why } => self.healed.push(format!("{node}: {why}")),
+            Event::WillRun { .. } | Event::DidWait { .. } | Event::DidSetAside { .. } => {}
         }
+    }
+
+    /// The published files of earlier runs that met some fate.
+    fn old_paths(&self, is_met: impl Fn(Fate) -> bool) -> Vec<&str> {
+        let old = self.old.iter().filter(|(_, fate)| is_met(*fate));
+        old.map(|(path, _)| path.as_str()).collect()
     }
 
     /// What its pieces took, by stage.
@@ -169,7 +333,13 @@ impl Ledger {
         }
     }
 
-    fn json(&self, seconds: f64, warnings: &[String], times: Option<&timing::Times>) -> serde_json::Value {
+    fn json(
+        &self,
+        session: &Session,
+        seconds: f64,
+        times: Option<&timing::Times>,
+        compared: Option<&Compared>,
+    ) -> serde_json::Value {
         let ran: Vec<_> = self
             .ran
             .iter()
@@ -182,7 +352,9 @@ impl Ledger {
             .collect();
         let mut told = json!({
             "format": 1, "ran": ran, "reused": self.reused, "healed": self.healed, "failed": self.failed,
-            "seconds": seconds, "files": files, "warnings": warnings,
+            "seconds": seconds, "files": files, "warnings": session.graph.warnings, "folder": session.figures.display().to_string(),
+            "stale": self.old_paths(|fate| fate != Fate::Removed), "removed": self.old_paths(|fate| fate == Fate::Removed),
+            "lock": compared.map(Compared::json),
         });
         if let Some(times) = times {
             told["profile_time"] = times.json();

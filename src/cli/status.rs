@@ -1,16 +1,20 @@
 //! `encounter status`: the plan of a run, and the state of each published file.
 
+use std::collections::BTreeMap;
+
 use clap::Args;
 use serde_json::json;
 
+use crate::cli::session::Session;
 use crate::cli::words::{self, Line};
+use crate::cli::{Common, print_json, say};
 use crate::text::count::counted;
-use crate::cli::{Common, Session, print_json, say};
 use crate::engine::code;
 use crate::engine::error::Result;
+use crate::engine::figures::EXTENSIONS;
+use crate::engine::leftover::leftovers;
 use crate::engine::plan::{Cost, NodePlan, Plan};
 use crate::engine::publish::{self, Ours, State};
-use crate::engine::store::Store;
 use crate::stages::axes::SHIP;
 
 /// Arguments of `encounter status`.
@@ -36,7 +40,7 @@ pub(super) fn print(common: &Common, session: &Session) -> Result<()> {
     let store = session.look_at_store()?;
     let plan = Plan::new(&session.graph, &store, &[]);
     let nodes = plan.nodes();
-    let files = files(session, &store, &plan);
+    let (files, old) = files(session, &plan);
     let stale = code::stale(&Common::root()?);
     let cost = plan.cost();
     if common.json {
@@ -46,7 +50,8 @@ pub(super) fn print(common: &Common, session: &Session) -> Result<()> {
             .collect();
         print_json(&json!({
             "format": 1, "profile": common.profile.name(), "nodes": nodes, "files": files, "cost": cost,
-            "figures": plan.affected(), "stale": stale, "warnings": session.graph.warnings,
+            "figures": plan.affected(), "stale": stale, "folder": session.figures.display().to_string(),
+            "warnings": session.graph.warnings, "stale_files": old.iter().map(|(path, _)| path).collect::<Vec<_>>(),
         }));
         return Ok(());
     }
@@ -54,8 +59,9 @@ pub(super) fn print(common: &Common, session: &Session) -> Result<()> {
     let widths = (longest(|node| &node.paper), longest(|node| &node.node));
     words::print(&nodes.iter().map(|node| line(node, widths)).collect::<Vec<_>>());
     for state in [State::Edited, State::Outdated, State::Missing] {
-        say_files(state, &files);
+        say_files(&state.to_string(), state, &files);
     }
+    say_old(&old);
     let count = |of: fn(&NodePlan) -> usize| nodes.iter().map(of).sum::<usize>();
     let (will, may) = (count(|node| node.will_run), count(|node| node.may_run));
     say(format_args!(
@@ -68,8 +74,14 @@ pub(super) fn print(common: &Common, session: &Session) -> Result<()> {
     Ok(())
 }
 
+/// The files that no run of these parameters makes any more, and what to do about them.
+pub(super) fn say_old(old: &[(String, State)]) {
+    say_files("stale, `encounter gc --stale` removes", State::Outdated, old);
+    say_files("stale and edited by hand, for you to remove", State::Edited, old);
+}
+
 /// The files in one state, the first few by name.
-fn say_files(state: State, files: &[(String, State)]) {
+fn say_files(words: &str, state: State, files: &[(String, State)]) {
     const MOST: usize = 4;
     let paths: Vec<&str> = files
         .iter()
@@ -79,8 +91,8 @@ fn say_files(state: State, files: &[(String, State)]) {
     let named = paths[..paths.len().min(MOST)].join(", ");
     match paths.len() {
         0 => {}
-        count if count > MOST => say(format_args!("{state}: {named} and {} more", count - MOST)),
-        _ => say(format_args!("{state}: {named}")),
+        count if count > MOST => say(format_args!("{words}: {named} and {} more", count - MOST)),
+        _ => say(format_args!("{words}: {named}")),
     }
 }
 
@@ -150,14 +162,19 @@ fn line(node: &NodePlan, (paper, name): (usize, usize)) -> Line {
     }
 }
 
-/// The state of each published file.
-fn files(session: &Session, store: &Store, plan: &Plan<'_>) -> Vec<(String, State)> {
-    let ours = Ours::of(store);
-    let mut files = Vec::new();
-    for (node, prefix) in publish::layout(&session.graph, SHIP, &session.ships) {
-        let stem = session.graph.nodes[node].node.name();
-        if !plan.is_cached(node) {
-            let existing = ["svg", "csv", "md", "tex", "html"].map(|extension| format!("{prefix}{stem}.{extension}"));
+/// Published files by path, each with its state.
+type Files = Vec<(String, State)>;
+
+/// The state of each published file, and the files that no run of these parameters makes any more.
+fn files(session: &Session, plan: &Plan<'_>) -> (Files, Files) {
+    let set = session.set();
+    let ours = Ours::of(&set);
+    let (mut files, mut texts) = (Vec::new(), BTreeMap::new());
+    let layout = publish::layout(&session.graph, SHIP, &session.ships);
+    for (node, prefix) in &layout {
+        let stem = session.graph.nodes[*node].node.name();
+        if !plan.is_cached(*node) {
+            let existing = EXTENSIONS.map(|extension| format!("{prefix}{stem}.{extension}"));
             let states = existing.map(|path| (ours.state(&session.figures.join(&path), None), path));
             let there: Vec<_> = states
                 .into_iter()
@@ -169,11 +186,15 @@ fn files(session: &Session, store: &Store, plan: &Plan<'_>) -> Vec<(String, Stat
             files.extend(there.into_iter().map(|(state, path)| (path, state)));
             continue;
         }
-        for (name, text) in plan.published(node).unwrap_or_default() {
+        for (name, text) in plan.published(*node).unwrap_or_default() {
             let path = format!("{prefix}{name}");
             let state = ours.state(&session.figures.join(&path), Some(&text));
-            files.push((path, state));
+            files.push((path.clone(), state));
+            texts.insert(path, text);
         }
     }
-    files
+    let is_known = |node| plan.is_cached(node) && plan.published(node).is_some();
+    let due = session.due().exactly(&plan.run, &layout, &texts, is_known);
+    let old = leftovers(&ours, &due, &set);
+    (files, old)
 }

@@ -14,16 +14,18 @@ use serde_json::json;
 use crate::cli::interrupt::{STOP, temporary_folder};
 use crate::cli::progress::{Progress, tell};
 use crate::cli::run::workers;
+use crate::cli::session::{Session, on_request};
+use crate::cli::{Common, print_json, same_bits, say, status};
 use crate::text::count::counted;
-use crate::cli::{Common, Session, on_request, print_json, same_bits, say};
 use crate::engine::audit::{Audit, Finding, audit};
 use crate::engine::code;
 use crate::engine::difference::grouped;
 use crate::engine::disk::read_text;
 use crate::engine::error::{Error, Result};
 use crate::engine::event::Event;
+use crate::engine::leftover::leftovers;
 use crate::engine::lock::{Line, Lock};
-use crate::engine::publish;
+use crate::engine::publish::{self, Ours};
 use crate::engine::rebuild::{Against, Rebuilt, compare};
 use crate::engine::run::Run;
 use crate::engine::schedule;
@@ -54,9 +56,8 @@ const STORE_HELP: &str = "Hash all of the store again and move what is damaged t
 #[derive(Debug, Args)]
 #[command(after_help = AFTER_HELP)]
 #[command(mut_arg("store", |store| store.num_args(0..=1).help(STORE_HELP)))]
-#[group(id = "what", required = true, multiple = true, args = ["lock", "store", "rebuild"])]
 pub struct VerifyArgs {
-    /// Compare the lock with code, parameters and published files; nothing is run, no store is needed
+    /// Compare the lock with code, parameters and published files; nothing is run, no store is needed. The default
     #[arg(long)]
     lock: bool,
     /// Run everything, or the targets, in an empty temporary store and compare the contents with the lock
@@ -76,7 +77,9 @@ pub struct VerifyArgs {
 /// # Errors
 /// A lock or store that cannot be read, or a difference.
 pub fn verify(args: &VerifyArgs) -> Result<()> {
-    let own = args.lock && on_request(&args.target).is_some();
+    // A store named alone is the one to verify; beside --lock or --rebuild it only says where to look.
+    let whole_store = args.common.store.is_some() && !args.lock && !args.rebuild;
+    let own = !args.rebuild && !whole_store && on_request(&args.target).is_some();
     if let Some(target) = args.target.first().filter(|_| !args.rebuild && !own) {
         return Err(Error::Usage(format!(
             "target `{target}`: expected with --rebuild, or with --lock one that only runs on request"
@@ -85,14 +88,14 @@ pub fn verify(args: &VerifyArgs) -> Result<()> {
     let session = args.common.open_nodes(&args.target)?;
     if args.rebuild {
         verify_rebuild(args, &session)
-    } else if args.lock {
-        verify_lock(args, &session)
-    } else {
+    } else if whole_store {
         verify_store(args, &session)
+    } else {
+        verify_lock(args, &session)
     }
 }
 
-fn read_lock(path: &Path) -> Result<Lock> {
+pub(super) fn read_lock(path: &Path) -> Result<Lock> {
     let text = read_text(path).map_err(|source| Error::Io {
         action: "read",
         path: path.to_owned(),
@@ -106,11 +109,13 @@ fn verify_lock(args: &VerifyArgs, session: &Session) -> Result<()> {
     let lock = read_lock(&path)?;
     let differences = compare_lock(args, session, &lock)?;
     let toolchains = toolchains(&lock);
+    let set = session.set();
+    let old = leftovers(&Ours::of(&set), &session.due(), &set);
     if args.common.json {
         print_json(&json!({
             "format": 1, "lock": path.display().to_string(), "lines": lock.lines.len(),
             "compared": comparable(args, session, &lock).lines.len(), "differences": differences,
-            "toolchains": toolchains,
+            "toolchains": toolchains, "stale": old.iter().map(|(path, _)| path).collect::<Vec<_>>(),
         }));
     } else if differences.is_empty() {
         let compared = comparable(args, session, &lock).lines.len();
@@ -123,6 +128,13 @@ fn verify_lock(args: &VerifyArgs, session: &Session) -> Result<()> {
             path.display(),
             counted(compared, "line")
         ));
+        say(format_args!(
+            "nothing was recomputed: code, parameters and published files were compared; `encounter verify --rebuild` makes \
+             everything anew"
+        ));
+    }
+    if !args.common.json {
+        status::say_old(&old);
     }
     let told = by_sentence(&differences);
     let Some((first, rest)) = told.split_first() else {
@@ -150,8 +162,8 @@ fn compare_lock(args: &VerifyArgs, session: &Session, lock: &Lock) -> Result<Vec
     Ok(omitted.into_iter().chain(differences).collect())
 }
 
-/// The lines of a lock that there is something to compare with. Published files of a small profile live in its store, which
-/// may not be there; only the paper's are committed.
+/// The lines of a lock that there is something to compare with. Published files of a small profile are not committed, and
+/// may not be there; the paper's are.
 fn comparable(args: &VerifyArgs, session: &Session, lock: &Lock) -> Lock {
     let mut lock = lock.clone();
     let is_kept = session.figures.is_dir() || args.common.profile.name() == "paper";

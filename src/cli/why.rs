@@ -3,9 +3,10 @@
 use clap::Args;
 use serde_json::json;
 
+use crate::cli::session::Session;
 use crate::cli::words::{self, Line};
+use crate::cli::{Common, print_json, say, status, target};
 use crate::text::count::counted;
-use crate::cli::{Common, Session, print_json, say, status, target};
 use crate::engine::code;
 use crate::engine::error::Result;
 use crate::engine::plan::Plan;

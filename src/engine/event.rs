@@ -51,6 +51,13 @@ pub enum Event {
         /// What was wrong.
         why: String,
     },
+    /// A record of the store named what no stage has made: it was set aside, and the walk begins anew.
+    DidDistrust {
+        /// The node and piece.
+        node: String,
+        /// How what it named differs from an output of its stage.
+        why: String,
+    },
     /// A piece failed.
     DidFail {
         /// The node.
@@ -67,6 +74,13 @@ pub enum Event {
         /// Where the edited file is now.
         kept: PathBuf,
     },
+    /// A published file of an earlier run was found that this run did not make.
+    DidFindOld {
+        /// The path within the figures folder.
+        path: String,
+        /// What became of it.
+        fate: Fate,
+    },
     /// A published file was looked at.
     DidPublish {
         /// The path within the figures folder.
@@ -76,4 +90,15 @@ pub enum Event {
         /// Whether the file had to be written.
         written: bool,
     },
+}
+
+/// What became of a published file of an earlier run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Fate {
+    /// It was of other parameters, and was removed.
+    Removed,
+    /// It is as an earlier run wrote it, and is kept.
+    Kept,
+    /// It was edited since, and is kept.
+    KeptEdited,
 }

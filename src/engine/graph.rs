@@ -11,7 +11,7 @@ use crate::engine::key_path::KeyPath;
 use crate::engine::nearest::nearest;
 use crate::engine::node::{Decoded, Node};
 use crate::engine::params::ParamsFile;
-use crate::engine::pipeline::{Checked, Pipeline};
+use crate::engine::pipeline::{Checked, Pipeline, rows_of};
 use crate::engine::stage::{Pieces, Select};
 use crate::engine::streams::Streams;
 use crate::engine::target::Target;
@@ -135,7 +135,9 @@ impl Graph {
     fn resolution(&self, pipeline: &Pipeline) -> Result<Vec<String>> {
         let mut warnings = Vec::new();
         for it in &self.nodes {
-            let told = |fault: &Fault| self.params.fault(fault, pipeline.axes, &it.case);
+            let told = |fault: &Fault| {
+                self.params.fault(fault, pipeline.axes, &it.case, &rows_of(it.node))
+            };
             let found = it.node.resolution(&it.decoded).map_err(|fault| told(&fault))?;
             for warning in found.iter().map(|fault| told(fault).to_string()) {
                 if !warnings.contains(&warning) {

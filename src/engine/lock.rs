@@ -130,6 +130,26 @@ impl Lock {
         self.lines == other.lines && head(self) == head(other)
     }
 
+    /// The names of the lines in which another lock differs from this one; `head` where only seed, keys or profile do.
+    pub fn differing(&self, other: &Self) -> Vec<String> {
+        if self.says_the_same_as(other) {
+            return Vec::new();
+        }
+        let here: BTreeMap<&str, &Line> = self.lines.iter().map(|line| (line.name.as_str(), line)).collect();
+        let there: BTreeSet<&str> = other.lines.iter().map(|line| line.name.as_str()).collect();
+        let changed = other
+            .lines
+            .iter()
+            .filter(|line| here.get(line.name.as_str()) != Some(line));
+        let gone = self.lines.iter().filter(|line| !there.contains(line.name.as_str()));
+        let names: Vec<String> = changed.chain(gone).map(|line| line.name.clone()).collect();
+        if names.is_empty() {
+            vec!["head".to_owned()]
+        } else {
+            names
+        }
+    }
+
     /// The text that is committed.
     pub fn text(&self) -> String {
         let mut text = format!(

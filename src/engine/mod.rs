@@ -24,8 +24,8 @@
 //!
 //! On disk: `objects/` (header and payload, named by id), `records/` (key -> id), `parts/` (code tables, parameters and
 //! names of inputs that records name, each stored once: they explain, they are no truth), `tmp/` (being written),
-//! `quarantine/` (damaged files, and both outputs of a stage that is not reproducible), `PROFILE.lock` (the committed
-//! contents). Publication: object, then record, each by a temporary file and a rename, synchronised before the record
+//! `quarantine/` (damaged files, and both outputs of a stage that is not reproducible). Locks, figures and edited copies lie in
+//! the checkout, not in the store (`checkout`). Publication: object, then record, each by a temporary file and a rename, synchronised before the record
 //! counts. An object without a record is garbage, never a lie. A record whose object is damaged is healed as soon as that is
 //! seen; one whose object was deleted when somebody needs it. Made again, it is required to have its recorded id. No NaN
 //! and no infinity gets into an artifact (`finite`).
@@ -33,7 +33,7 @@
 //! Several runs may share a store: `locks/KEY` is locked while its piece is made and until its record can be read, so each
 //! key is made once; the kernel frees the lock of a process that dies. `store.lock` is held shared by every verb, and by
 //! `gc` alone. `runs/` (what the last three used), `manifests/` (the pieces of a content) and the locks say what `gc` must
-//! keep; `published` tells our figures from edited ones, which go to `edited/` before ours are restored.
+//! keep; the checkout's `published` tells our figures from edited ones, which go to `edited/` before ours are restored.
 //!
 //! Outputs marked [`Keep::Evict`](crate::engine::stage::Keep) are hashed and recorded but not written; when a reader needs
 //! one and it has left memory, it is made again and checked. What `gc` took to make room is treated alike.
@@ -50,7 +50,7 @@
 //!
 //! Order of reading: `stage`, `arrow`, `node`; `case`, `params`, `pipeline`, `graph`; `key`, `code`, `run`, `schedule`,
 //! `queue`; `store`, `disk`, `flight`, `object`, `record`, `parts`, `finite`; `lock`, `verify`, `audit`,
-//! `rebuild`, `difference`, `publish`, `runs`, `gc`; `plan`, `history`, `compare`, `explain`, `why`; `revision`, `versions`;
+//! `rebuild`, `difference`, `checkout`, `figures`, `publish`, `leftover`, `runs`, `gc`; `plan`, `history`, `compare`, `explain`, `why`; `revision`, `versions`;
 //! `chart`; `timing`; `stop`, `threads`. What the command line names is in `target`, how parameter tables are laid over each other in `layers`,
 //! how a key is named in `key_path`, which name is meant in `nearest`.
 
@@ -60,6 +60,7 @@ pub mod case;
 pub mod chart;
 pub mod chart_svg;
 pub mod chart_text;
+pub mod checkout;
 pub mod claim;
 pub mod code;
 pub mod codec;
@@ -71,6 +72,7 @@ pub mod error;
 pub mod event;
 mod explain;
 mod fields;
+pub mod figures;
 pub mod finite;
 mod flight;
 pub mod gc;
@@ -80,6 +82,7 @@ pub mod id;
 pub mod key;
 pub mod key_path;
 mod layers;
+pub mod leftover;
 mod listing;
 pub mod lock;
 mod manifest;

@@ -13,6 +13,7 @@ use crate::engine::decode::{Fault, What, decode};
 use crate::engine::difference::{self, Difference};
 use crate::engine::error::{Error, Result};
 use crate::engine::fields::field_names;
+use crate::engine::figures::may_publish;
 use crate::engine::finite;
 use crate::engine::key_path::KeyPath;
 use crate::engine::read::Reader;
@@ -184,10 +185,18 @@ impl<S: Stage> Node for Of<S> {
     fn published(&self, bytes: &[u8]) -> Result<BTreeMap<String, String>> {
         let output = codec::decode::<S::Output>(bytes)?;
         let output: Box<dyn Any> = Box::new(output);
-        Ok(output
-            .downcast::<Published>()
-            .map(|published| published.files)
-            .unwrap_or_default())
+        let files = output.downcast::<Published>().map(|published| published.files);
+        let files = files.unwrap_or_default();
+        match files.keys().find(|name| !may_publish(S::NAME, name)) {
+            None => Ok(files),
+            Some(name) => Err(Error::Damaged {
+                what: format!("an output of {}", S::NAME),
+                why: format!(
+                    "expected names of files such as {}.csv, found {name:?}, which this stage does not publish",
+                    S::NAME
+                ),
+            }),
+        }
     }
 
     fn json(&self, bytes: &[u8]) -> Result<serde_json::Value> {

@@ -122,6 +122,16 @@ impl ParamsFile {
         rest.iter().try_fold(self.values.get(first)?, |value, step| step_into(value, step))
     }
 
+    /// All parameters in force as TOML that can be used as an overlay.
+    pub fn text(&self) -> String {
+        toml::to_string(&self.values).expect("values that were read from TOML can be written as TOML")
+    }
+
+    /// The same as a table.
+    pub(crate) fn table(&self) -> &Table {
+        &self.values
+    }
+
     /// The place where a path, or the nearest value around it, was written: `stages/paper.toml:62`, or `--set`.
     pub fn origin(&self, path: &KeyPath) -> String {
         let place = self.origins.find(path);

@@ -1,24 +1,29 @@
 //! Publishing: the text files of figures and tables, written into a folder a person reads.
 //!
 //! The first value of the first axis (the first ship) writes to the folder itself, each further one to a folder of its
-//! name; the full set lies in each. A file is written only if its bytes differ; one that no run has written was edited by
-//! hand, and is kept in `edited/`.
+//! name; the full set lies in each. All files of a run are put into place in one go, under a lock on the folder, so that two
+//! runs at once never leave a mixture. A file is written only if its bytes differ; one that no run has written was edited by
+//! hand, and is kept in `artifacts/edited/`. What lies there of an earlier run and is no part of this one is removed or named
+//! ([`leftover`](crate::engine::leftover)). Tested in `tests/cache/publish.rs`, `tests/cli/figures.rs`.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
 use std::fs::{self, File};
-use std::hash::{BuildHasher, RandomState};
-use std::io::{self, ErrorKind, Write};
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use crate::engine::case::Axis;
-use crate::engine::disk::{read_regular, read_text};
+use crate::engine::checkout::Checkout;
+use crate::engine::disk::read_text;
 use crate::engine::error::{Error, Result};
-use crate::engine::event::Event;
+use crate::engine::event::{Event, Fate};
+use crate::engine::figures::{self, Written};
 use crate::engine::graph::Graph;
-use crate::engine::lock::Lock;
+use crate::engine::leftover::{Due, leftovers};
 use crate::engine::run::Run;
-use crate::engine::store::Store;
+
+/// The file inside a published set that says which parameters it was made with.
+pub const PARAMETERS: &str = "parameters.toml";
 
 /// The published files of a graph: path within the figures folder -> (node, name of the file in the artifact).
 pub fn layout(graph: &Graph, axis: Axis, values: &[String]) -> Vec<(usize, String)> {
@@ -47,47 +52,194 @@ pub fn texts(run: &Run<'_>, axis: Axis, values: &[String]) -> Result<BTreeMap<St
         .into_iter()
         .filter(|(node, _)| run.content(*node).is_some())
     {
-        let bytes = run.bytes(node, 0)?;
-        for (name, text) in run.graph.nodes[node].node.published(&bytes)? {
+        for (name, text) in run.published(node)? {
             texts.insert(format!("{prefix}{name}"), text);
         }
     }
     Ok(texts)
 }
 
-/// Writes what differs. A file that is not of our making is copied to `edited/` in the store first.
+/// A folder and the set of parameters whose figures it holds.
+pub struct Set<'a> {
+    /// The checkout that publishes.
+    pub checkout: &'a Checkout,
+    /// The figures folder.
+    pub folder: &'a Path,
+    /// The profile whose own folder this is: the files in its locks are ours.
+    pub home: Option<&'a str>,
+    /// All parameters in force, to be written beside the figures; none in the folder of the committed ones.
+    pub parameters: Option<&'a str>,
+    /// Whether a set of other parameters may be replaced by this one.
+    pub may_replace: bool,
+}
+
+impl Set<'_> {
+    /// The parameters that the folder was last written with.
+    fn there(&self) -> Option<String> {
+        let bytes = figures::read(&self.folder.join(PARAMETERS)).ok()?;
+        String::from_utf8(bytes).ok()
+    }
+
+    /// Refuses a link in place of a folder below `artifacts/`.
+    ///
+    /// # Errors
+    /// The link, by name.
+    pub(crate) fn check_links(&self) -> Result<()> {
+        figures::refuse_links(&self.checkout.artifacts(), self.folder)
+    }
+
+    /// Refuses a folder that holds another set under the same name.
+    ///
+    /// # Errors
+    /// Such a folder.
+    pub fn check(&self) -> Result<()> {
+        self.check_links()?;
+        let there = if self.may_replace { None } else { self.there() };
+        match there.filter(|there| Some(there.as_str()) != self.parameters) {
+            None => Ok(()),
+            Some(_) => Err(Error::Usage(format!(
+                "{}: expected the figures of these parameters or none, found those of others (see {PARAMETERS} there); \
+                 choose another --name, or add --replace",
+                self.folder.display()
+            ))),
+        }
+    }
+}
+
+/// Puts the texts of a run into their folder: what differs is written, all of it at once.
+///
+/// A file that is not of our making is copied to `edited/` first. Where the folder held a set of other parameters, the files
+/// of that set which this run did not make are removed.
 ///
 /// # Errors
-/// A folder or file that cannot be written.
-pub fn publish(run: &Run<'_>, texts: &BTreeMap<String, String>, folder: &Path) -> Result<()> {
-    let ours = Ours::of(run.store);
-    ours.remember(run.store, texts)?;
-    for (name, text) in texts {
-        let path = folder.join(name);
-        let state = ours.state(&path, Some(text));
-        if state == State::Edited {
-            set_aside(run, name, &path)?;
-        }
-        if state != State::Current {
-            write(&path, text)?;
-        }
+/// A name that is no plain one, a link in place of a folder, a folder or file that cannot be written.
+pub fn publish(run: &Run<'_>, texts: &BTreeMap<String, String>, due: &Due<'_>, set: &Set<'_>) -> Result<()> {
+    if texts.is_empty() {
+        return Ok(());
+    }
+    let folders = folders_of(texts, set)?;
+    if !set.folder.is_dir() {
+        figures::make_folder(&set.checkout.artifacts(), set.folder)?;
+    }
+    let _turn = figures::turn(set.folder);
+    set.check()?;
+    for folder in &folders {
+        figures::refuse_links(set.folder, folder)?;
+        figures::clear(folder);
+    }
+    let ours = Ours::of(set);
+    let before = set
+        .there()
+        .filter(|_| set.parameters.is_some() || ours.made(set, PARAMETERS));
+    let is_same_set = before.as_deref() == set.parameters;
+    // Without parameters that we wrote there is nothing that tells two sets apart.
+    let is_other_set = !is_same_set && ours.made(set, PARAMETERS);
+    let states = states(&ours, texts, set);
+    if !is_same_set || states.values().any(|state| *state != State::Current) {
+        ours.remember(set, texts)?;
+        put_all(run, texts, &states, set, is_same_set)?;
+    }
+    for (path, text) in texts {
         let id = blake3::hash(text.as_bytes()).to_hex().to_string();
-        run.tell(&Event::DidPublish {
-            path: name.clone(),
-            id,
-            written: state != State::Current,
-        });
+        let (path, written) = (path.clone(), states[path] != State::Current);
+        run.tell(&Event::DidPublish { path, id, written });
+    }
+    if is_other_set {
+        return remove_others(run, texts, &Ours::of(set), set);
+    }
+    for (path, state) in leftovers(&Ours::of(set), due, set) {
+        let fate = if state == State::Edited {
+            Fate::KeptEdited
+        } else {
+            Fate::Kept
+        };
+        run.tell(&Event::DidFindOld { path, fate });
     }
     Ok(())
 }
 
-fn set_aside(run: &Run<'_>, name: &str, path: &Path) -> Result<()> {
-    let bytes = read_regular(path).map_err(Error::io("read the figure", path))?;
+/// The folders that texts go to. Whatever names the texts came with, they leave no figures folder.
+fn folders_of(texts: &BTreeMap<String, String>, set: &Set<'_>) -> Result<BTreeSet<PathBuf>> {
+    let mut folders = BTreeSet::from([set.folder.to_owned()]);
+    for path in texts.keys() {
+        let (folder, _) = figures::parts(path).ok_or_else(|| Error::Damaged {
+            what: "a published output".to_owned(),
+            why: format!("expected a plain name within the figures folder, found {path:?}; nothing was written"),
+        })?;
+        folders.insert(set.folder.join(folder));
+    }
+    Ok(folders)
+}
+
+fn states(ours: &Ours, texts: &BTreeMap<String, String>, set: &Set<'_>) -> BTreeMap<String, State> {
+    let state = |(path, text): (&String, &String)| (path.clone(), ours.state(&set.folder.join(path), Some(text)));
+    texts.iter().map(state).collect()
+}
+
+/// Writes every temporary file before the first is moved into place, so that an error leaves the old set as it was. The
+/// parameters go first and come last: a set that was cut short is one without them.
+fn put_all(
+    run: &Run<'_>,
+    texts: &BTreeMap<String, String>,
+    states: &BTreeMap<String, State>,
+    set: &Set<'_>,
+    is_same_set: bool,
+) -> Result<()> {
+    let mut written = Vec::new();
+    for (path, text) in texts.iter().filter(|(path, _)| states[*path] != State::Current) {
+        let place = set.folder.join(path);
+        figures::make_folder(set.folder, place.parent().expect("a figure lies in a folder"))?;
+        if states[path] == State::Edited {
+            set_aside(run, path, set)?;
+        }
+        written.push(Written::beside(&place, text.as_bytes())?);
+    }
+    let parameters = set.folder.join(PARAMETERS);
+    let last = match set.parameters.filter(|_| !is_same_set) {
+        None => None,
+        Some(text) => {
+            if Ours::of(set).state(&parameters, Some(text)) == State::Edited {
+                set_aside(run, PARAMETERS, set)?;
+            }
+            Some(Written::beside(&parameters, text.as_bytes())?)
+        }
+    };
+    if !is_same_set && parameters.symlink_metadata().is_ok() {
+        fs::remove_file(&parameters).map_err(Error::io("remove", &parameters))?;
+    }
+    written.into_iter().chain(last).try_for_each(Written::put)
+}
+
+/// Removes what the set before this one left in its folder; what somebody edited stays, and is named.
+fn remove_others(run: &Run<'_>, texts: &BTreeMap<String, String>, ours: &Ours, set: &Set<'_>) -> Result<()> {
+    let others = ours.there(set).into_iter();
+    for path in others.filter(|path| !texts.contains_key(path) && path != PARAMETERS) {
+        let mut fate = Fate::KeptEdited;
+        if ours.made(set, &path) {
+            let place = set.folder.join(&path);
+            fs::remove_file(&place).map_err(Error::io("remove the figure of other parameters", place))?;
+            fate = Fate::Removed;
+        }
+        run.tell(&Event::DidFindOld { path, fate });
+    }
+    Ok(())
+}
+
+/// Copies an edited file to where it is kept. A link is no file of anybody's: it is replaced, its target stays.
+fn set_aside(run: &Run<'_>, name: &str, set: &Set<'_>) -> Result<()> {
+    let path = set.folder.join(name);
+    if figures::is_link(&path) {
+        return Ok(());
+    }
+    let bytes = figures::read(&path).map_err(Error::io("read the figure", &path))?;
     let hash = blake3::hash(&bytes).to_hex();
     let (stem, extension) = name.rsplit_once('.').unwrap_or((name, ""));
-    let kept = run.store.root().join("edited");
-    let kept = kept.join(format!("{stem}.{}.{extension}", &hash[..8]));
-    write(&kept, &String::from_utf8_lossy(&bytes))?;
+    let artifacts = set.checkout.artifacts();
+    let kept = artifacts
+        .join("edited")
+        .join(format!("{stem}.{}.{extension}", &hash[..8]));
+    figures::make_folder(&artifacts, kept.parent().expect("it lies in edited/"))?;
+    Written::beside(&kept, &bytes)?.put()?;
     let path = name.to_owned();
     run.tell(&Event::DidSetAside { path, kept });
     Ok(())
@@ -96,22 +248,14 @@ fn set_aside(run: &Run<'_>, name: &str, path: &Path) -> Result<()> {
 /// Makes sure, before hours of work, that what a graph publishes can be written.
 ///
 /// # Errors
-/// A folder in which no file can be made.
-pub fn check_folder(graph: &Graph, axis: Axis, values: &[String], folder: &Path) -> Result<()> {
+/// A folder in which no file can be made, or a link in place of one.
+pub fn check_folder(graph: &Graph, axis: Axis, values: &[String], set: &Set<'_>) -> Result<()> {
+    set.check()?;
     let folders = layout(graph, axis, values).into_iter().map(|(_, prefix)| prefix);
     for prefix in folders.collect::<BTreeSet<_>>() {
-        // Without the slash at its end, which hides a file of the same name.
-        let folder: PathBuf = folder.join(prefix).components().collect();
-        // What is not there yet will be made in the nearest folder that is.
-        let there = folder.ancestors().find(|path| path.symlink_metadata().is_ok());
-        let there = there.unwrap_or(Path::new("."));
-        let probe = there.join(format!(".encounter-{:016x}.tmp", tag(there)));
-        let made = fs::write(&probe, "").and_then(|()| match fs::remove_file(&probe) {
-            // Another run has taken it for a dead one's.
-            Err(why) if why.kind() == ErrorKind::NotFound => Ok(()),
-            removed => removed,
-        });
-        made.map_err(Error::io("write figures to", folder))?;
+        let folder = set.folder.join(prefix);
+        figures::refuse_links(set.folder, &folder)?;
+        figures::probe(&folder)?;
     }
     Ok(())
 }
@@ -141,33 +285,50 @@ impl fmt::Display for State {
     }
 }
 
-/// The hashes of what runs have published: those that this store remembers, and those of its locks.
+/// What runs of this checkout have published, by hash and place, and what its locks name.
 pub struct Ours {
-    hashes: Vec<String>,
+    /// `(hash, place of the figures folder/path within it)`, oldest first.
+    lines: Vec<(String, String)>,
+    /// The folder that is asked about, as it stands in the lines.
+    place: String,
     locked: BTreeSet<String>,
+    /// Path within this folder -> hash, from the locks of the profile whose folder it is.
+    at_home: BTreeMap<String, BTreeSet<String>>,
 }
 
 impl Ours {
-    /// The newest texts that are remembered.
-    const MOST: usize = 4096;
+    /// The newest lines that are remembered.
+    const MOST: usize = 8192;
 
-    /// What a store and its locks know.
-    pub fn of(store: &Store) -> Self {
-        let text = read_text(&store.root().join("published")).unwrap_or_default();
-        let locks = fs::read_dir(store.root()).into_iter().flatten().flatten();
-        let locks = locks.filter_map(|entry| Lock::parse(&read_text(&entry.path()).ok()?).ok());
-        let files = locks.flat_map(|lock| lock.lines.into_iter().filter(|line| line.pieces.is_none()));
+    /// What a checkout and its locks know, asked about one folder.
+    pub fn of(set: &Set<'_>) -> Self {
+        let (mut locked, mut at_home) = (BTreeSet::new(), BTreeMap::<String, BTreeSet<String>>::new());
+        for lock in set.checkout.locks().into_values() {
+            for line in lock.lines.iter().filter(|line| line.pieces.is_none()) {
+                let hash = line.content.to_string();
+                if let Some(path) = line
+                    .name
+                    .strip_prefix("file ")
+                    .filter(|_| set.home == Some(&lock.profile))
+                {
+                    at_home.entry(path.to_owned()).or_default().insert(hash.clone());
+                }
+                locked.insert(hash);
+            }
+        }
         Self {
-            hashes: text.lines().map(str::to_owned).collect(),
-            locked: files.map(|line| line.content.to_string()).collect(),
+            lines: lines(set.checkout),
+            place: set.checkout.place(set.folder),
+            locked,
+            at_home,
         }
     }
 
     /// How a file stands; `text` is what a run would write, if that is known.
     pub fn state(&self, path: &Path, text: Option<&str>) -> State {
-        let bytes = match read_regular(path) {
+        let bytes = match figures::read(path) {
             Ok(bytes) => bytes,
-            Err(why) if why.kind() == ErrorKind::NotFound => return State::Missing,
+            Err(why) if why.kind() == ErrorKind::NotFound && !figures::is_link(path) => return State::Missing,
             // What cannot be read may be somebody's work: it is not written over.
             Err(_) => return State::Edited,
         };
@@ -175,100 +336,73 @@ impl Ours {
             return State::Current;
         }
         let hash = blake3::hash(&bytes).to_hex();
-        if self.locked.contains(hash.as_str()) || self.hashes.iter().any(|known| known == hash.as_str()) {
+        if self.locked.contains(hash.as_str()) || self.lines.iter().any(|(known, _)| known == hash.as_str()) {
             State::Outdated
         } else {
             State::Edited
         }
     }
 
+    /// The paths within the folder at which a run of ours has published something that is there, be it edited since.
+    pub(crate) fn there(&self, set: &Set<'_>) -> BTreeSet<String> {
+        let prefix = format!("{}/", self.place);
+        let published = self.lines.iter().filter_map(|(_, path)| path.strip_prefix(&prefix));
+        let all: BTreeSet<&str> = published.chain(self.at_home.keys().map(String::as_str)).collect();
+        let is_there = |path: &&str| {
+            figures::parts(path).is_some_and(|(folder, _)| !figures::is_link(&set.folder.join(folder)))
+                && set.folder.join(path).symlink_metadata().is_ok()
+        };
+        all.into_iter().filter(is_there).map(str::to_owned).collect()
+    }
+
+    /// Whether the file at a path holds bytes that a run of ours put at that path.
+    pub(crate) fn made(&self, set: &Set<'_>, path: &str) -> bool {
+        let Ok(bytes) = figures::read(&set.folder.join(path)) else {
+            return false;
+        };
+        let hash = blake3::hash(&bytes).to_hex().to_string();
+        let whole = format!("{}/{path}", self.place);
+        self.at_home.get(path).is_some_and(|hashes| hashes.contains(&hash))
+            || self.lines.iter().any(|(known, at)| *known == hash && *at == whole)
+    }
+
     /// Notes what is about to be written: a crash after that leaves nothing that looks edited.
-    fn remember(&self, store: &Store, texts: &BTreeMap<String, String>) -> Result<()> {
-        let mut hashes = self.hashes.clone();
-        for text in texts.values() {
+    fn remember(&self, set: &Set<'_>, texts: &BTreeMap<String, String>) -> Result<()> {
+        let artifacts = set.checkout.artifacts();
+        fs::create_dir_all(&artifacts).map_err(Error::writing("make the folder", &artifacts, 0))?;
+        // Another run of this checkout may be adding its own lines.
+        let _turn: Option<File> = figures::turn(&artifacts);
+        figures::clear(&artifacts);
+        let parameters = set.parameters.map(|text| (PARAMETERS, text));
+        let all = texts.iter().map(|(path, text)| (path.as_str(), text.as_str()));
+        let mut lines = lines(set.checkout);
+        let mut known: BTreeSet<(String, String)> = lines.iter().cloned().collect();
+        let before = lines.len();
+        for (path, text) in all.chain(parameters) {
             let hash = blake3::hash(text.as_bytes()).to_hex().to_string();
-            if !hashes.contains(&hash) {
-                hashes.push(hash);
+            let line = (hash, format!("{}/{path}", self.place));
+            // A folder whose name breaks the line could not be read back.
+            if !line.1.contains(['\n', '\r']) && known.insert(line.clone()) {
+                lines.push(line);
             }
         }
-        if hashes == self.hashes {
+        if lines.len() == before {
             return Ok(());
         }
-        let first = hashes.len().saturating_sub(Self::MOST);
-        let text = hashes[first..].join("\n") + "\n";
-        write(&store.root().join("published"), &text)
+        let first = lines.len().saturating_sub(Self::MOST);
+        let line = |(hash, path): &(String, String)| format!("{hash} {path}\n");
+        let text: String = lines[first..].iter().map(line).collect();
+        figures::write(&artifacts.join("published"), &text)
     }
 }
 
-/// Writes a text that people read by way of a temporary file beside it and a rename; on an error nothing is left.
-///
-/// # Errors
-/// A folder or file that cannot be written.
-pub fn write(path: &Path, text: &str) -> Result<()> {
-    let folder = path.parent().expect("a published file lies in a folder");
-    fs::create_dir_all(folder).map_err(Error::writing("make the folder", folder, 0))?;
-    let written = match write_by_rename(path, text) {
-        // Taken for a dead one's between its making and its lock.
-        Err(why) if why.kind() == ErrorKind::NotFound => write_by_rename(path, text),
-        written => written,
+/// The lines of the list of what a checkout has published; a damaged line is none.
+fn lines(checkout: &Checkout) -> Vec<(String, String)> {
+    let text = read_text(&checkout.artifacts().join("published")).unwrap_or_default();
+    let line = |line: &str| {
+        let (hash, path) = line.split_once(' ')?;
+        blake3::Hash::from_hex(hash).ok()?;
+        Some((hash.to_owned(), path.to_owned()))
     };
-    written.map_err(Error::writing("write", path, text.len() as u64))
-}
-
-fn write_by_rename(path: &Path, text: &str) -> io::Result<()> {
-    let extension = path.extension().unwrap_or_default().display();
-    let temporary = path.with_extension(format!("{extension}.{:016x}.tmp", tag(path)));
-    let result = write_locked(&temporary, text).and_then(|_lock| fs::rename(&temporary, path));
-    if result.is_err() {
-        // The error to report is the first one.
-        let _ = fs::remove_file(&temporary);
-    }
-    result
-}
-
-/// Writes a file that is locked as long as it is held: one that is not was left by a dead process.
-fn write_locked(path: &Path, text: &str) -> io::Result<File> {
-    let mut file = File::create(path)?;
-    // Where the file system has no locks, nothing is taken for a dead one's either.
-    let _ = file.try_lock();
-    file.write_all(text.as_bytes())?;
-    file.sync_all()?;
-    Ok(file)
-}
-
-/// Whoever else writes a file, in this process or another, has a temporary file of their own.
-fn tag(path: &Path) -> u64 {
-    RandomState::new().hash_one(path)
-}
-
-/// Removes the temporary files that killed runs left in the folders of a graph's figures and beside the locks.
-pub fn clear(graph: &Graph, axis: Axis, values: &[String], figures: &Path, store: &Path) {
-    let folders = layout(graph, axis, values).into_iter().map(|(_, prefix)| prefix);
-    let folders: BTreeSet<String> = folders.collect();
-    for folder in folders
-        .iter()
-        .map(|prefix| figures.join(prefix))
-        .chain([store.to_owned()])
-    {
-        for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
-            if entry.file_name().to_str().is_some_and(is_temporary) && is_abandoned(&entry.path()) {
-                // It is in nobody's way.
-                let _ = fs::remove_file(entry.path());
-            }
-        }
-    }
-}
-
-/// Whether a name is one that [`write()`] or [`check_folder`] gives: 16 hexadecimal digits before `.tmp`.
-fn is_temporary(name: &str) -> bool {
-    let stem = name.strip_suffix(".tmp");
-    let tag = stem.and_then(|stem| stem.rsplit(['.', '-']).next());
-    tag.is_some_and(|tag| tag.len() == 16 && tag.bytes().all(|byte| byte.is_ascii_hexdigit()))
-}
-
-fn is_abandoned(path: &Path) -> bool {
-    File::options()
-        .write(true)
-        .open(path)
-        .is_ok_and(|file| file.try_lock().is_ok())
+    text.lines().filter_map(line).collect()
 }

@@ -347,10 +347,14 @@ impl<'g> Run<'g> {
         let record = self.key(node, piece).map(Place::Record);
         match record.map(|record| self.set_aside(&record)) {
             Some(Err(error)) => error,
-            _ => Error::Distrusted {
-                node: self.graph.nodes[node].piece_name(piece),
-                why,
-            },
+            _ => {
+                let node = self.graph.nodes[node].piece_name(piece);
+                self.tell(&Event::DidDistrust {
+                    node: node.clone(),
+                    why: why.clone(),
+                });
+                Error::Distrusted { node, why }
+            }
         }
     }
 
