@@ -23,7 +23,7 @@ const ENOSPC: i32 = 28;
 const EROFS: i32 = 30;
 
 /// Counts the operations of a disk down; the one that finds nothing left fails, and a write that fails has written half.
-struct Fuse {
+pub(super) struct Fuse {
     left: AtomicUsize,
     error: i32,
     /// Only writes are counted.
@@ -31,7 +31,7 @@ struct Fuse {
 }
 
 impl Fuse {
-    fn new(operation: usize, error: i32, writes: bool) -> Arc<Self> {
+    pub(super) fn new(operation: usize, error: i32, writes: bool) -> Arc<Self> {
         let left = AtomicUsize::new(operation);
         Arc::new(Self { left, error, writes })
     }
@@ -51,12 +51,12 @@ impl Fuse {
         Err(io::Error::from_raw_os_error(self.error))
     }
 
-    fn has_blown(&self) -> bool {
+    pub(super) fn has_blown(&self) -> bool {
         // The count wraps around.
         self.left.load(Ordering::Relaxed) > usize::MAX / 2
     }
 
-    fn disk(self: &Arc<Self>) -> Wrap {
+    pub(super) fn disk(self: &Arc<Self>) -> Wrap {
         let fuse = Arc::clone(self);
         watched(move |disk, deed| fuse.hear(disk, deed))
     }

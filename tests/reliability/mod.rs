@@ -12,6 +12,7 @@ mod model;
 mod mutants;
 mod order;
 mod rot;
+mod strangers;
 
 use crate::common::House;
 use serde_json::Value;
