@@ -28,12 +28,12 @@ use crate::engine::index::Index;
 use crate::engine::node::Node;
 use crate::engine::params::ParamsFile;
 use crate::engine::store::Store;
-use crate::text::escape;
 use crate::engine::target::Target;
 use crate::numerics::lanes::Level;
 use crate::numerics::self_test;
 use crate::stages::PIPELINE;
 use crate::stages::axes::SHIP;
+use crate::text::escape;
 
 /// Gong & Pan's ships encountering wave groups: the whole paper from seeds, through a cache.
 #[derive(Debug, Parser)]

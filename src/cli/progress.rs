@@ -6,9 +6,9 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use indicatif::{MultiProgress, ProgressBar, ProgressDrawTarget, ProgressStyle};
 
-use crate::text::escape::terminal;
 use crate::engine::event::Event;
 use crate::text::count::counted;
+use crate::text::escape::terminal;
 
 /// Listens to a run and speaks on standard error.
 pub struct Progress {

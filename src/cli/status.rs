@@ -4,7 +4,6 @@ use clap::Args;
 use serde_json::json;
 
 use crate::cli::words::{self, Line};
-use crate::text::count::counted;
 use crate::cli::{Common, Session, print_json, say};
 use crate::engine::code;
 use crate::engine::error::Result;
@@ -12,6 +11,7 @@ use crate::engine::plan::{Cost, NodePlan, Plan};
 use crate::engine::publish::{self, Ours, State};
 use crate::engine::store::Store;
 use crate::stages::axes::SHIP;
+use crate::text::count::counted;
 
 /// Arguments of `encounter status`.
 #[derive(Debug, Args)]

@@ -14,7 +14,6 @@ use serde_json::json;
 use crate::cli::interrupt::{STOP, temporary_folder};
 use crate::cli::progress::{Progress, tell};
 use crate::cli::run::workers;
-use crate::text::count::counted;
 use crate::cli::{Common, Session, on_request, print_json, same_bits, say};
 use crate::engine::audit::{Audit, Finding, audit};
 use crate::engine::code;
@@ -30,6 +29,7 @@ use crate::engine::schedule;
 use crate::engine::store::Store;
 use crate::engine::verify::{against_lock, against_store, omissions, toolchains};
 use crate::stages::axes::SHIP;
+use crate::text::count::counted;
 
 /// What the exit code says, and how to read a difference.
 const AFTER_HELP: &str = "\

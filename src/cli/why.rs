@@ -4,13 +4,13 @@ use clap::Args;
 use serde_json::json;
 
 use crate::cli::words::{self, Line};
-use crate::text::count::counted;
 use crate::cli::{Common, Session, print_json, say, status, target};
 use crate::engine::code;
 use crate::engine::error::Result;
 use crate::engine::plan::Plan;
 use crate::engine::reason::{Reason, short};
 use crate::engine::why::{Branch, Kept, Why, why as walk};
+use crate::text::count::counted;
 
 /// Arguments of `encounter why`.
 #[derive(Debug, Args)]
