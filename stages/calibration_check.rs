@@ -5,9 +5,10 @@ use std::sync::Arc;
 
 use crate::calibration::bench::Fields;
 use crate::calibration::choice::{Checked, Found, chosen};
+use crate::calibration::study::Part;
 use crate::engine::arrow::{All, CaseOf, Cases, PiecesOf};
 use crate::engine::case::Axis;
-use crate::engine::error::Result;
+use crate::engine::error::{Error, Result};
 use crate::engine::stage::{Here, Pieces, Select, Stage};
 use crate::numerics::fourier::WIDTH;
 use crate::stages::axes::{SEA, SHIP};
@@ -39,6 +40,7 @@ impl Stage for CalibrationCheck {
         let found: Vec<Arc<Found>> = searches.iter().collect::<Result<_>>()?;
         let chosen = chosen(p.settings(), p.printed(), found.iter().map(Arc::as_ref), here.first);
         let study = p.study(&seas)?;
+        study.expect_groups(Part::Check).map_err(Error::stage)?;
         Ok(chosen.map(|chosen| study.check(&chosen, &mut here.stream(here.first))))
     }
 }

@@ -7,10 +7,10 @@ use crate::calibration::bench::{Bench, Fields, Sea};
 use crate::calibration::choice::Found;
 use crate::calibration::methods::Layout;
 use crate::calibration::settings::{Settings, Target};
-use crate::calibration::study::Study;
+use crate::calibration::study::{Part, Study};
 use crate::engine::arrow::{CaseOf, Cases};
 use crate::engine::case::Axis;
-use crate::engine::error::Result;
+use crate::engine::error::{Error, Result};
 use crate::engine::stage::{Here, Pieces, Select, Stage};
 use crate::sea::wave_field::Record;
 use crate::ship::initial_condition::{Estimate, Nic};
@@ -77,7 +77,9 @@ impl Stage for CalibrationSearch {
 
     fn run(p: &Params, (seas,): (Vec<CaseOf<'_, Fields>>,), here: Here<'_>) -> Result<Found> {
         let search = p.calibration.search(here.first);
-        Ok(p.study(&seas)?.search(search, &mut here.stream(here.first)))
+        let study = p.study(&seas)?;
+        study.expect_groups(Part::Search).map_err(Error::stage)?;
+        Ok(study.search(search, &mut here.stream(here.first)))
     }
 }
 

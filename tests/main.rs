@@ -25,4 +25,5 @@ mod published;
 mod reliability;
 mod report;
 mod reproduction;
+mod text;
 mod toy_tree;

@@ -40,7 +40,7 @@ pub struct Found {
 pub struct InSea {
     /// What was to be met.
     pub target: Target,
-    /// P_true, per epsilon_1.
+    /// P_true, per epsilon_1; empty if no group is in the statistics.
     pub p_true: Vec<f64>,
     /// Its standard error at the epsilon_1 of Table 1.
     pub standard_error: f64,

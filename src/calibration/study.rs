@@ -29,6 +29,22 @@ pub struct Study<'a> {
     pub layout: Layout<'a>,
 }
 
+/// Which fields of the study are meant.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Part {
+    /// Those on which candidates are searched.
+    Search,
+    /// Those that no search has seen.
+    Check,
+}
+
+/// Whether some fields of a sea hold groups.
+fn has_groups(sea: &Sea, fields: &Range<usize>) -> bool {
+    let all = sea.pieces.iter().flat_map(|piece| &piece.groups[0].fields);
+    let mut some = all.skip(fields.start).take(fields.len());
+    some.any(|groups| !groups.is_empty())
+}
+
 impl Study<'_> {
     fn targets(&self) -> Vec<&Target> {
         self.bench.seas.iter().map(|sea| &sea.target).collect()
@@ -38,6 +54,29 @@ impl Study<'_> {
     fn fields(&self) -> usize {
         let of = |sea: &Sea| sea.pieces.iter().map(|piece| piece.waves.phase.len()).sum::<usize>();
         self.bench.seas.iter().map(of).min().unwrap_or(0)
+    }
+
+    /// Checks that the waves of a search, or of a check, hold groups in every sea: without any there is nothing to agree with.
+    ///
+    /// # Errors
+    /// The first sea without groups.
+    pub fn expect_groups(&self, of: Part) -> Result<(), String> {
+        let polished = whole_blocks(self.settings.polish_fields);
+        let fields = match of {
+            Part::Search => 0..whole_blocks(self.settings.search_fields),
+            Part::Check => polished..self.fields(),
+        };
+        if self.bench.seas.is_empty() {
+            return Err("table1.paper: expected a row for a sea of this run, found none".to_owned());
+        }
+        let without = self.bench.seas.iter().find(|sea| !has_groups(sea, &fields));
+        without.map_or(Ok(()), |sea| {
+            let (from, to, name) = (fields.start, fields.end, &sea.target.sea);
+            Err(format!(
+                "calibration.fields: expected wave groups in the fields {from} to below {to} of sea {name}, found none; raise it or \
+                 lower detection.smallest_amplitude"
+            ))
+        })
     }
 
     /// The search with these coefficients free.
@@ -100,7 +139,7 @@ impl Study<'_> {
             let some = polished..others.end.min(polished + whole_blocks(self.settings.method_fields));
             seas.push(InSea {
                 target: sea.target.clone(),
-                p_true: (0..tally.counts.len()).map(|e| tally.probability(e)).collect(),
+                p_true: measured(&tally),
                 standard_error: tally.standard_error(TABLE),
                 methods: methods(&self.bench, (sea, &some), &candidate, &self.layout, stream),
                 capsizes_per_field: tally.capsizes as f64 / if tally.fields > 0 { tally.fields as f64 } else { 1.0 },
@@ -150,6 +189,16 @@ impl Study<'_> {
         });
         candidates(&search, &[x]).remove(0)
     }
+}
+
+/// P_true per epsilon_1; nothing if no group is in the statistics.
+fn measured(tally: &Tally) -> Vec<f64> {
+    let epsilons = if tally.groups(TABLE) > 0.0 {
+        tally.counts.len()
+    } else {
+        0
+    };
+    (0..epsilons).map(|e| tally.probability(e)).collect()
 }
 
 /// The candidates of a search at some points.

@@ -6,7 +6,6 @@ use clap::Args;
 use serde_json::json;
 
 use crate::cli::words::{self, Line};
-use crate::text::count::counted;
 use crate::cli::{Common, Profile, print_json, say};
 use crate::engine::disk::read_text;
 use crate::engine::error::Result;
@@ -16,6 +15,7 @@ use crate::engine::reason::short;
 use crate::engine::revision::Revision;
 use crate::engine::versions::{self, CellChange, LineChange, ParamChange};
 use crate::stages::axes::SHIP;
+use crate::text::count::counted;
 
 /// Arguments of `encounter diff`.
 #[derive(Debug, Args)]

@@ -8,7 +8,6 @@ use serde_json::json;
 use crate::cli::session::Session;
 use crate::cli::words::{self, Line};
 use crate::cli::{Common, print_json, say};
-use crate::text::count::counted;
 use crate::engine::code;
 use crate::engine::error::Result;
 use crate::engine::figures::EXTENSIONS;
@@ -16,6 +15,7 @@ use crate::engine::leftover::leftovers;
 use crate::engine::plan::{Cost, NodePlan, Plan};
 use crate::engine::publish::{self, Ours, State};
 use crate::stages::axes::SHIP;
+use crate::text::count::counted;
 
 /// Arguments of `encounter status`.
 #[derive(Debug, Args)]

@@ -4,8 +4,8 @@ use serde_json::{Value, json};
 
 use crate::cli::say;
 use crate::cli::words::seconds;
-use crate::text::count::counted;
 use crate::engine::timing::StageTime;
+use crate::text::count::counted;
 
 /// What is told, and of what.
 pub(super) enum Times {

@@ -16,7 +16,6 @@ use crate::cli::progress::{Progress, tell};
 use crate::cli::run::workers;
 use crate::cli::session::{Session, on_request};
 use crate::cli::{Common, print_json, same_bits, say, status};
-use crate::text::count::counted;
 use crate::engine::audit::{Audit, Finding, audit};
 use crate::engine::code;
 use crate::engine::difference::grouped;
@@ -32,6 +31,7 @@ use crate::engine::schedule;
 use crate::engine::store::Store;
 use crate::engine::verify::{against_lock, against_store, omissions, toolchains};
 use crate::stages::axes::SHIP;
+use crate::text::count::counted;
 
 /// What the exit code says, and how to read a difference.
 const AFTER_HELP: &str = "\

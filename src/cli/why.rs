@@ -6,12 +6,12 @@ use serde_json::json;
 use crate::cli::session::Session;
 use crate::cli::words::{self, Line};
 use crate::cli::{Common, print_json, say, status, target};
-use crate::text::count::counted;
 use crate::engine::code;
 use crate::engine::error::Result;
 use crate::engine::plan::Plan;
 use crate::engine::reason::{Reason, short};
 use crate::engine::why::{Branch, Kept, Why, why as walk};
+use crate::text::count::counted;
 
 /// Arguments of `encounter why`.
 #[derive(Debug, Args)]

@@ -83,7 +83,7 @@ struct Local {
 /// The floor for responses `r` (N) of inputs `x` (N).
 ///
 /// `cap` is the largest response a model sees, `bandwidth` that of the kernels at the nodes, `degree` that of the
-/// polynomials. `None` if nothing exceeds the threshold or a matrix is singular.
+/// polynomials. `None` if nothing or everything exceeds the threshold, or a matrix is singular.
 pub fn floor(
     (x, r): (&[[f64; 2]], &[f64]),
     (threshold, cap): (f64, f64),
@@ -93,7 +93,8 @@ pub fn floor(
 ) -> Option<Floor> {
     let above: Vec<f64> = r.iter().map(|r| f64::from(*r > threshold)).collect();
     let probability = mean(&above);
-    if probability <= 0.0 {
+    // Where no group exceeds, or all do, no method has anything to find.
+    if probability <= 0.0 || probability >= 1.0 {
         return None;
     }
     let capped: Vec<f64> = r.iter().map(|r| if *r < cap { *r } else { cap }).collect();

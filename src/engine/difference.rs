@@ -189,11 +189,13 @@ impl Walk {
 
     fn lists(&mut self, a: &[Tree], b: &[Tree], path: &Path<'_>) {
         if a.len() != b.len() {
-            let count = |list: &[Tree]| if list.len() == 1 {
-            "1 entry".to_owned()
-        } else {
-            format!("{} entries", grouped(list.len() as u64))
-        };
+            let count = |list: &[Tree]| {
+                if list.len() == 1 {
+                    "1 entry".to_owned()
+                } else {
+                    format!("{} entries", grouped(list.len() as u64))
+                }
+            };
             self.found(path, || (count(a), count(b)), None);
         }
         for (place, (a, b)) in a.iter().zip(b).enumerate() {
@@ -284,8 +286,7 @@ fn shown(tree: &Tree) -> String {
         Tree::Whole(number) => number.to_string(),
         Tree::Real(number) => format!("{number:?}"),
         Tree::Text(text) => excerpts(text, "").0,
-        Tree::List(list) if list.len() == 1 => "1 entry".to_owned(),
-        Tree::List(list) => format!("{} entries", grouped(list.len() as u64)),
+        Tree::List(list) => count::counted_as(grouped(list.len() as u64), "entry", "entries"),
         Tree::Fields(fields) => count::counted(grouped(fields.len() as u64), "field"),
         Tree::Variant(name, inner) if **inner == Tree::Nothing => (*name).to_owned(),
         Tree::Variant(name, inner) => format!("{name} of {}", shown(inner)),

@@ -272,7 +272,11 @@ fn check_items(params: &ParamsFile, node: &dyn Node) -> Result<()> {
         let found = params.get(key);
         let number = found.and_then(toml::Value::as_integer);
         let number = number.and_then(|number| u64::try_from(number).ok());
-        let is_below = |number: u64| number.checked_next_multiple_of(*block).is_some_and(|number| number < items);
+        let is_below = |number: u64| {
+            number
+                .checked_next_multiple_of(*block)
+                .is_some_and(|number| number < items)
+        };
         if !number.is_some_and(is_below) {
             let blocks = if *block > 1 {
                 format!(" in whole blocks of {block}")

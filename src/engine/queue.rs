@@ -227,7 +227,11 @@ impl Queue {
         Err(Error::Failures(format!(
             "{}\n{} not done; the others are kept",
             told.join("\n"),
-            if undone == 1 { "1 node is".to_owned() } else { format!("{undone} nodes are") }
+            if undone == 1 {
+                "1 node is".to_owned()
+            } else {
+                format!("{undone} nodes are")
+            }
         )))
     }
 }

@@ -198,7 +198,10 @@ fn look_into(run: &Run<'_>, node: usize, line: &Line, against: &Against<'_>) -> 
     if let Some((piece, again)) = made_otherwise(run, node, &differing, threads)? {
         return not_itself(run, node, piece, &again, against, threads);
     }
-    let twice = format!("made once more, on {}, it came out the same", counted(threads, "thread"));
+    let twice = format!(
+        "made once more, on {}, it came out the same",
+        counted(threads, "thread")
+    );
     match differing.iter().find_map(|piece| Some((*piece, id(*piece)?))) {
         Some((piece, id)) => itself(run, (node, piece), &id, line, against, &twice),
         None => Ok(changed(format!("{twice}; {}", change(run, node, line, against)))),

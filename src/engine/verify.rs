@@ -28,7 +28,10 @@ pub fn against_lock(run: &Run<'_>, lock: &Lock, figures: &Path) -> Vec<String> {
         let line = known.remove(place);
         if line.pieces != Some(node.pieces.len()) {
             let pieces = line.pieces.map_or("-".to_owned(), |pieces| pieces.to_string());
-            differences.push(format!("{name}: {}, the lock says {pieces}", counted(node.pieces.len(), "piece")));
+            differences.push(format!(
+                "{name}: {}, the lock says {pieces}",
+                counted(node.pieces.len(), "piece")
+            ));
         } else if line.recipe != recipe {
             differences.push(format!("{name}: {}", recipe_reason(run, lock, index, line)));
         }

@@ -98,10 +98,7 @@ impl Axis {
             _ => (0.0, 1.0),
         };
         let span = if high > low { high - low } else { high.abs() + 1e-3 };
-        let tick = |at: f64| Tick {
-            at,
-            label: short(at),
-        };
+        let tick = |at: f64| Tick { at, label: short(at) };
         Axis {
             low: low - 0.07 * span,
             high: high + 0.07 * span,

@@ -8,6 +8,8 @@ use super::calibration::{InSea, RANKED, Search, Set, Study, symbol};
 use super::csv::{self, Cell};
 use super::table::NOTHING;
 use crate::numerics::elementary::exp;
+use crate::text::count::{counted, counted_as};
+use crate::text::escape;
 
 /// Place of Table 1's epsilon_1.
 const TABLE: usize = 1;
@@ -19,33 +21,48 @@ fn at(p: &[f64]) -> f64 {
     p.get(TABLE).copied().unwrap_or(f64::NAN)
 }
 
-/// In how many seas a finding holds, of all.
-fn share(set: &Set, holds: impl Fn(&InSea) -> bool) -> String {
-    format!(
-        "{}/{}",
-        set.seas.iter().filter(|sea| holds(sea)).count(),
-        set.seas.len()
-    )
+/// In how many seas a finding holds, of those that tell; none told is no data.
+fn share(set: &Set, holds: impl Fn(&InSea) -> Option<bool>) -> String {
+    let told: Vec<bool> = set.seas.iter().filter_map(holds).collect();
+    if told.is_empty() {
+        return NO_DATA.to_owned();
+    }
+    format!("{}/{}", told.iter().filter(|holds| **holds).count(), told.len())
+}
+
+/// The misfit of a set; none if a sea tells nothing.
+fn misfit(set: &Set) -> Option<f64> {
+    let is_known = !set.seas.is_empty() && set.seas.iter().all(|sea| !sea.p_true.is_empty());
+    is_known.then_some(set.misfit)
+}
+
+/// What stands where nothing was measured.
+const NO_DATA: &str = "no data";
+
+/// Whether the methods have met any group, and the truth has seen any exceedance, so that they can be compared.
+fn is_comparable(sea: &InSea) -> bool {
+    sea.method_groups > 0 && at(&sea.p_true) > 0.0
 }
 
 /// P_true grows with epsilon_1.
-fn grows(sea: &InSea) -> bool {
-    sea.p_true.windows(2).all(|pair| pair[1] > pair[0])
+fn grows(sea: &InSea) -> Option<bool> {
+    (sea.p_true.len() > 1).then(|| sea.p_true.windows(2).all(|pair| pair[1] > pair[0]))
 }
 
 /// CIC is at most half the truth.
-fn cic_below(sea: &InSea) -> bool {
-    2.0 * at(&sea.cic) <= at(&sea.p_true)
+fn cic_below(sea: &InSea) -> Option<bool> {
+    is_comparable(sea).then(|| 2.0 * at(&sea.cic) <= at(&sea.p_true))
 }
 
 /// PIC is above the truth at epsilon_1 = 0.
-fn pic_above(sea: &InSea) -> bool {
-    sea.pic.first() > sea.p_true.first()
+fn pic_above(sea: &InSea) -> Option<bool> {
+    let (pic, p_true) = sea.pic.first().zip(sea.p_true.first())?;
+    (sea.method_groups > 0).then_some(pic > p_true)
 }
 
 /// NIC is close to the truth.
-fn nic_close(sea: &InSea) -> bool {
-    (at(&sea.nic) / at(&sea.p_true) - 1.0).abs() <= CLOSE
+fn nic_close(sea: &InSea) -> Option<bool> {
+    is_comparable(sea).then(|| (at(&sea.nic) / at(&sea.p_true) - 1.0).abs() <= CLOSE)
 }
 
 /// calibration.csv: one line per set and sea; `spread_ratio` is to the first set.
@@ -55,12 +72,17 @@ pub fn csv(study: &Study) -> String {
         for (i, sea) in set.seas.iter().enumerate() {
             let value = |i: usize| Cell::from(set.values.get(i).copied());
             let p = |p: &[f64], e: usize| Cell::from(p.get(e).copied());
+            // Shares of no groups are none.
+            let of_method = |shares: &[f64], e: usize| {
+                let known = shares.get(e).copied().filter(|_| sea.method_groups > 0);
+                Cell::from(known)
+            };
             rows.push([
                 Cell::from(set.name.as_str()),
                 set.reading.as_str().into(),
                 set.changes().into(),
                 set.size.into(),
-                set.misfit.into(),
+                misfit(set).into(),
                 value(0),
                 value(1),
                 value(2),
@@ -71,13 +93,13 @@ pub fn csv(study: &Study) -> String {
                 sea.theta_t.into(),
                 sea.paper.into(),
                 p(&sea.p_true, TABLE),
-                sea.standard_error.into(),
+                known_error(sea).into(),
                 p(&sea.p_true, 0),
                 p(&sea.p_true, 2),
-                p(&sea.cic, TABLE),
-                p(&sea.pic, TABLE),
-                p(&sea.nic, TABLE),
-                p(&sea.pic, 0),
+                of_method(&sea.cic, TABLE),
+                of_method(&sea.pic, TABLE),
+                of_method(&sea.nic, TABLE),
+                of_method(&sea.pic, 0),
                 sea.method_groups.into(),
                 sea.capsizes_per_field.into(),
                 sea.spread.into(),
@@ -116,6 +138,11 @@ pub fn csv(study: &Study) -> String {
         ],
         rows,
     )
+}
+
+/// The standard error of a sea's P_true, if there is one that tells anything: it is 0 where no group exceeds.
+fn known_error(sea: &InSea) -> Option<f64> {
+    (sea.standard_error > 0.0).then_some(sea.standard_error)
 }
 
 /// calibration_searches.csv: one line per search.
@@ -181,22 +208,26 @@ fn sets(text: &mut String, study: &Study) {
         let values: Vec<String> = set.values.iter().zip(&set.changed).map(value).collect();
         let _ = writeln!(
             text,
-            "| {} | {} | {} | {:.2} | {:.2} | {} | {} | {} | {} |",
-            set.name,
+            "| {} | {} | {} | {:.2} | {} | {} | {} | {} | {} |",
+            escape::markdown(&set.name),
             values.join(" | "),
             set.changes(),
             set.size,
-            set.misfit,
+            misfit(set).map_or(NO_DATA.to_owned(), |misfit| format!("{misfit:.2}")),
             share(set, grows),
             share(set, cic_below),
             share(set, pic_above),
             share(set, nic_close),
         );
     }
-    let fields = study.sets.first().map_or(0, |set| set.fields);
+    let Some(fields) = study.sets.first().map(|set| set.fields) else {
+        text.push_str("\nNo data: no set was checked.\n\n");
+        return;
+    };
+    let fields = counted(fields, "field");
     let _ = writeln!(
         text,
-        "\nAll on {fields} fields per sea that no search has seen. Size: sum of |ln(value/printed)|, a power of ten is 2.30. \
+        "\nAll on {fields} per sea that no search has seen. Size: sum of |ln(value/printed)|, a power of ten is 2.30. \
          Misfit below {} agrees with Table 1 within the errors. Findings: number of seas in which they hold.\n",
         study.accepted_below
     );
@@ -215,11 +246,17 @@ fn probabilities(text: &mut String, study: &Study) {
         for (i, sea) in set.seas.iter().enumerate() {
             let p = at(&sea.p_true);
             let over = |other: &[f64]| {
-                if p > 0.0 {
+                if is_comparable(sea) {
                     format!("{:.2}", at(other) / p)
                 } else {
                     NOTHING.to_owned()
                 }
+            };
+            let measured = match (sea.p_true.get(TABLE), known_error(sea)) {
+                (None, _) => NO_DATA.to_owned(),
+                (Some(p), None) if *p <= 0.0 => "none exceeds".to_owned(),
+                (Some(p), None) => format!("{p:.4}"),
+                (Some(p), Some(error)) => format!("{p:.4} ± {error:.4}"),
             };
             let other = |e: usize| sea.p_true.get(e).map_or(NOTHING.to_owned(), |p| format!("{p:.4}"));
             let spread = sea.spread.map_or(NOTHING.to_owned(), |spread| {
@@ -228,11 +265,10 @@ fn probabilities(text: &mut String, study: &Study) {
             });
             let _ = writeln!(
                 text,
-                "| {} | {} | {:.4} | {p:.4} ± {:.4} | {} | {} | {} | {}, {} | {:.3} | {spread} |",
-                set.name,
-                sea.sea,
+                "| {} | {} | {:.4} | {measured} | {} | {} | {} | {}, {} | {:.3} | {spread} |",
+                escape::markdown(&set.name),
+                escape::markdown(&sea.sea),
                 sea.paper,
-                sea.standard_error,
                 over(&sea.cic),
                 over(&sea.pic),
                 over(&sea.nic),
@@ -251,10 +287,11 @@ fn identified(text: &mut String, study: &Study) {
     let evaluations = study.searches.iter().fold(0, |sum, it| sum + it.evaluations);
     let _ = writeln!(
         text,
-        "## What the data identify\n\n{} searches tried {evaluations} candidates; {} of them agree with Table 1 within the errors of \
+        "## What the data identify\n\n{} tried {}; {} of them agree with Table 1 within the errors of \
          the search, {ranked} of these keep the ranking too. The range of each coefficient among them, as a factor of the printed \
          value:\n\n| coefficient | agreeing with Table 1 | keeping the ranking too |\n|---|---|---|",
-        study.searches.len(),
+        counted_as(study.searches.len(), "search", "searches"),
+        counted(evaluations, "candidate"),
         study.accepted.len()
     );
     for (i, name) in study.names.iter().enumerate() {
@@ -289,6 +326,10 @@ fn identified(text: &mut String, study: &Study) {
 
 /// Correlation of ln ratios among the trials that agree with Table 1; none if one of them does not vary.
 fn correlation(study: &Study, i: usize, j: usize) -> Option<f64> {
+    // Two trials always lie on a line.
+    if study.accepted.len() < 3 {
+        return None;
+    }
     let n = study.accepted.len() as f64;
     let mean = |i: usize| study.accepted.iter().fold(0.0, |sum, (x, _)| sum + x[i]) / n;
     let (a, b) = (mean(i), mean(j));

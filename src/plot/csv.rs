@@ -71,7 +71,7 @@ pub fn write<const N: usize>(header: [&str; N], rows: impl IntoIterator<Item = [
     text
 }
 
-/// One row of `groups.csv`: what was detected in one sea.
+/// One row of `groups.csv`: what was detected in one sea. What too few groups tell nothing of is none.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GroupsRow {
     /// Name of the sea.
@@ -81,17 +81,17 @@ pub struct GroupsRow {
     /// Groups per T_p.
     pub groups_per_tp: f64,
     /// Mean of L/T_p.
-    pub l_over_tp_mean: f64,
+    pub l_over_tp_mean: Option<f64>,
     /// Standard deviation of L/T_p.
-    pub l_over_tp_sd: f64,
+    pub l_over_tp_sd: Option<f64>,
     /// Mean of A/H_s.
-    pub a_over_hs_mean: f64,
+    pub a_over_hs_mean: Option<f64>,
     /// Standard deviation of A/H_s.
-    pub a_over_hs_sd: f64,
+    pub a_over_hs_sd: Option<f64>,
     /// Correlation of the two.
-    pub correlation: f64,
+    pub correlation: Option<f64>,
     /// Share of groups with A > H_s.
-    pub share_a_over_hs_gt_1: f64,
+    pub share_a_over_hs_gt_1: Option<f64>,
 }
 
 /// Writes `groups.csv`.

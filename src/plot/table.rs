@@ -179,7 +179,9 @@ fn what(table: &Table, unit: &str, epsilon_1: &str) -> String {
     let value = table.epsilon_1.map_or(NOTHING.to_owned(), short);
     let realisations = counted(table.realisations, "realisation");
     let samples = counted(table.samples, "sample");
-    format!("{epsilon_1} = {value} {unit}; mean (standard deviation in % of the mean) of {realisations} with {samples} each")
+    format!(
+        "{epsilon_1} = {value} {unit}; mean (standard deviation in % of the mean) of {realisations} with {samples} each"
+    )
 }
 
 /// What the table leaves open, and why; empty if it leaves nothing open.
@@ -194,7 +196,11 @@ fn left_open(table: &Table) -> String {
     let short_of = table.rows.iter().filter(|row| row.reached < table.samples);
     for row in short_of {
         let reached = counted(row.reached, "sample");
-        let _ = write!(words, " {}: the estimates end at {reached}, since the sea has no more groups.", row.spectrum);
+        let _ = write!(
+            words,
+            " {}: the estimates end at {reached}, since the sea has no more groups.",
+            row.spectrum
+        );
     }
     words
 }

@@ -82,7 +82,11 @@ impl Unit {
 /// A number with all of its digits: an offset that is rounded would move the ticks.
 fn long(value: f64) -> String {
     let text = short(value);
-    if text.parse() == Ok(value) { text } else { format!("{value:e}").replace('-', "−") }
+    if text.parse() == Ok(value) {
+        text
+    } else {
+        format!("{value:e}").replace('-', "−")
+    }
 }
 
 fn is_whole(digit: f64) -> bool {

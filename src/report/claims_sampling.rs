@@ -208,7 +208,10 @@ pub(super) fn detection(evidence: &Evidence, settings: &Settings) -> Vec<Claim> 
     let at = |of: fn(&Detection) -> &Vec<Curve>| -> Option<Vec<Measured>> {
         let study = study?;
         let theta_t = evidence.theta_t(&study.sea)?;
-        let curves = study.detections.iter().filter_map(|detection| of(detection).get(middle));
+        let curves = study
+            .detections
+            .iter()
+            .filter_map(|detection| of(detection).get(middle));
         Some(curves.filter_map(|curve| curve.at(theta_t)).collect())
     };
     let range = |numbers: Option<Vec<Measured>>| {

@@ -185,9 +185,7 @@ impl Evidence {
 
 /// Whether a number's standard error is below a share of its value.
 pub fn is_known(number: Measured, share: f64) -> bool {
-    number
-        .standard_error
-        .is_some_and(|error| error < share * number.value)
+    number.standard_error.is_some_and(|error| error < share * number.value)
 }
 
 /// A ratio of two numbers taken for independent; none over nothing.

@@ -4,9 +4,14 @@ use std::fmt::Display;
 
 /// "1 piece", "3 pieces": the noun in the singular for one, with an `s` for any other count.
 pub fn counted(count: impl Display, noun: &str) -> String {
+    counted_as(count, noun, &format!("{noun}s"))
+}
+
+/// "1 search", "3 searches".
+pub fn counted_as(count: impl Display, one: &str, many: &str) -> String {
     let count = count.to_string();
-    let plural = if count == "1" { "" } else { "s" };
-    format!("{count} {noun}{plural}")
+    let noun = if count == "1" { one } else { many };
+    format!("{count} {noun}")
 }
 
 /// A whole number with its thousands parted: "12,345".

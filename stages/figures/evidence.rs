@@ -27,7 +27,10 @@ pub struct Outputs<'a> {
 
 /// The cases of one ship.
 fn of_ship<'b, 'a, T>(cases: &'b [CaseOf<'a, T>], ship: &str) -> Vec<&'b CaseOf<'a, T>> {
-    cases.iter().filter(|case| case.case.value(SHIP) == Some(ship)).collect()
+    cases
+        .iter()
+        .filter(|case| case.case.value(SHIP) == Some(ship))
+        .collect()
 }
 
 impl Outputs<'_> {
@@ -85,7 +88,10 @@ fn curves(known: &Probabilities, sea: usize) -> BTreeMap<(Method, usize, usize),
         known.table.iter().find(same)
     };
     for figure in &known.curves {
-        let place = known.counts.iter().position(|counts| counts.epsilon_1 == figure.epsilon_1);
+        let place = known
+            .counts
+            .iter()
+            .position(|counts| counts.epsilon_1 == figure.epsilon_1);
         let (Some(method), Some(place)) = (Method::named(&figure.method), place) else {
             continue;
         };

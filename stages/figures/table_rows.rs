@@ -141,7 +141,13 @@ fn estimates(rows: &Rows, case: &Case, known: &Convergence) -> Row {
             std: known.deviation(std),
         })
     };
-    let all = [&known.sequential, &known.random, &known.best, &known.control, &known.lhs];
+    let all = [
+        &known.sequential,
+        &known.random,
+        &known.best,
+        &known.control,
+        &known.lhs,
+    ];
     let most = |spread: &&Spread| spread.n_samples.iter().filter(|n| **n <= rows.total).max().copied();
     Row {
         spectrum: case.sea.clone(),
@@ -149,7 +155,11 @@ fn estimates(rows: &Rows, case: &Case, known: &Convergence) -> Row {
         p_true: None,
         p_true_se: None,
         p_true_groups: 0,
-        reached: all.iter().map(|spread| most(spread).unwrap_or(0)).min().map_or(0, u64::from),
+        reached: all
+            .iter()
+            .map(|spread| most(spread).unwrap_or(0))
+            .min()
+            .map_or(0, u64::from),
         sequential: at(&known.sequential),
         random: at(&known.random),
         best: at(&known.best),

@@ -293,3 +293,93 @@ fn rules_of_a_study_that_is_asked_for() {
         &[digits],
     );
 }
+
+/// A row of `[table1] paper` with one key changed.
+fn printed_row(changed: &str) -> String {
+    let key = changed.split(' ').next().unwrap_or_default();
+    let keys = [
+        "sea = \"S1\"",
+        "theta_t = 0.7",
+        "p_true = 0.0421",
+        "sequential_mean = 0.0416",
+        "sequential_std_percent = 5.0",
+        "random_mean = 0.042",
+        "random_std_percent = 44.0",
+    ];
+    let kept = keys.iter().map(|own| {
+        if own.starts_with(&format!("{key} ")) {
+            changed
+        } else {
+            own
+        }
+    });
+    format!("{{ {} }}", kept.collect::<Vec<_>>().join(", "))
+}
+
+#[test]
+fn the_papers_table_is_checked_like_our_own() {
+    let table = |rows: &[String]| format!("[table1]\npaper = [{}]\n", rows.join(", "));
+    let one = |changed: &str| table(&[printed_row(changed)]);
+    overlays(&[
+        (
+            &one("p_true = nan"),
+            &["table1.paper[0].p_true: ", "a number between 0 and 1", "NaN"],
+        ),
+        (&one("p_true = 1.5"), &["table1.paper[0].p_true: ", "found 1.5"]),
+        (&one("p_true = 0.0"), &["table1.paper[0].p_true: ", "found 0"]),
+        (
+            &one("random_mean = -0.1"),
+            &["table1.paper[0].random_mean: ", "found -0.1"],
+        ),
+        (
+            &one("sequential_std_percent = -5.0"),
+            &[
+                "table1.paper[0].sequential_std_percent: ",
+                "expected a number > 0, found -5",
+            ],
+        ),
+        (
+            &one("theta_t = 4.0"),
+            &[
+                "table1.paper[0].theta_t: ",
+                "expected a number below capsize_angle = 3.14",
+                "found 4",
+            ],
+        ),
+        (
+            &one("sea = \"S9\""),
+            &[
+                "table1.paper: row 0: expected sea = the name of a [sea.*] table",
+                "\"S9\"",
+            ],
+        ),
+        (
+            &table(&[printed_row(""), printed_row("theta_t = 0.8")]),
+            &["table1.paper: row 1: ", "found \"S1\" twice"],
+        ),
+    ]);
+}
+
+#[test]
+fn a_claim_is_put_to_a_ship_that_exists() {
+    sets(&[(
+        "findings.printed=nosuch",
+        &["findings.printed: expected the name of a [ship.*] table (calibrated, printed), found \"nosuch\""],
+    )]);
+}
+
+#[test]
+fn a_calibration_keeps_fields_to_check_on() {
+    let program = Program::new("tiny");
+    for fields in ["8", "1"] {
+        let said = program.call(&["run", "calibration", "--set", &format!("calibration.fields={fields}")]);
+        assert_eq!(said.code, 2, "{}", said.stderr);
+        let wanted = format!(
+            "calibration.polish_fields: expected a whole number in whole blocks of 8 below calibration.fields = {fields}, found 8"
+        );
+        assert!(said.stderr.contains(&wanted), "{}", said.stderr);
+    }
+    let overlay = ["calibration.fields=16", "calibration.polish_fields=9"];
+    let said = program.call(&["run", "calibration", "--set", overlay[0], "--set", overlay[1]]);
+    assert_eq!(said.code, 2, "nine fields are two blocks of eight: {}", said.stderr);
+}

@@ -282,3 +282,17 @@ fn the_columns_of_the_plan_stand_below_each_other() {
     let count = said.stdout.matches("  will run").count();
     assert_eq!((places.len(), count > 100), (1, true), "{}", said.stdout);
 }
+
+#[test]
+fn json_is_json_whatever_stands_in_a_folders_name() {
+    let program = Program::new("tiny");
+    let figures = program.path("figures\u{7f}\u{9b}31m\u{202e}").display().to_string();
+    let said = program.call(&["status", "--json", "--figures", &figures]);
+    assert_eq!(said.code, 0, "{}", said.stderr);
+    let value: serde_json::Value = serde_json::from_str(&said.stdout).expect("the answer is JSON");
+    assert_eq!(value["format"], 1);
+    let unsafe_ones = ['\u{7f}', '\u{9b}', '\u{202e}'];
+    assert!(!said.stdout.contains(unsafe_ones), "{}", said.stdout);
+    let told = said.stdout.contains("figures\\u007f\\u009b31m\\u202e");
+    assert!(told, "the folder is named: {}", said.stdout);
+}

@@ -1,8 +1,9 @@
 //! Ticks stand at round values with exact labels; curves are cut at the frame and thinned within their tolerance.
 
 use encounter::numerics::elementary::{cos, sin};
-use encounter::plot::axes::{Axis, fixed, power_of_ten};
+use encounter::plot::axes::{Axis, fixed};
 use encounter::plot::clip::{Window, thin};
+use encounter::text::number::power_of_ten;
 
 fn labels(axis: &Axis) -> Vec<&str> {
     axis.ticks
@@ -146,4 +147,52 @@ fn an_axis_starts_at_zero_unless_all_values_lie_far_from_it() {
     let near = Axis::around([0.1, 0.59].into_iter(), 5, "y");
     assert_eq!(near, Axis::from_zero([0.1, 0.59].into_iter(), 5, "y"));
     assert_eq!(Axis::around(std::iter::empty(), 5, "y").low, 0.0);
+}
+
+#[test]
+fn labels_are_short_in_any_range() {
+    for (low, high) in [
+        (0.7, 0.7 + 1e-12),
+        (0.0, 1e-12),
+        (0.0, 5e-7),
+        (0.0, 123_456_789.0),
+        (1e5, 1e5 + 1e-6),
+        (-2e-9, 3e-9),
+        (1e-200, 3e-200),
+        (1e200, 3e200),
+        (12_345.0, 12_345.001),
+    ] {
+        let axis = Axis::linear(low, high, 6, "h (m)");
+        let labels = labels(&axis);
+        assert!(
+            labels.len() > 2 && labels.iter().all(|label| label.chars().count() < 8),
+            "{low} to {high}: {labels:?}"
+        );
+        let mut different = labels.clone();
+        different.dedup();
+        assert_eq!(different, labels, "{low} to {high}");
+        assert!(
+            axis.label.starts_with("h (m), "),
+            "{low} to {high} needs words: {}",
+            axis.label
+        );
+    }
+    assert_eq!(Axis::linear(0.0, 5e-7, 5, "h").label, "h, in 10⁻⁷");
+    assert_eq!(Axis::linear(0.7, 0.7 + 5e-12, 5, "h").label, "h, from 0.7 in 10⁻¹²");
+    assert_eq!(Axis::linear(0.0, 1.2, 6, "h").label, "h");
+}
+
+#[test]
+fn a_logarithmic_axis_within_a_decade_has_labels_too() {
+    for (low, high) in [(12.0, 18.0), (21.0, 29.0), (1.0, 1.5)] {
+        let axis = Axis::counts(low, high, "n");
+        assert!(labels(&axis).len() > 1, "{low} to {high}: {axis:?}");
+        assert!(axis.ticks.iter().all(|tick| axis.holds(tick.at)), "{axis:?}");
+    }
+}
+
+#[test]
+fn a_tick_at_a_value_has_few_digits() {
+    let axis = Axis::at_values([0.1 + 0.2, 1e-5, 123_456.0].into_iter(), "x");
+    assert_eq!(labels(&axis), ["10⁻⁵", "0.3", "123456"]);
 }

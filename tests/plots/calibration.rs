@@ -122,3 +122,64 @@ fn equal_input_gives_an_equal_small_figure_with_every_coefficient() {
         std::fs::write(std::path::Path::new(&folder).join("calibration.svg"), figure).expect("the folder is there");
     }
 }
+
+#[test]
+fn nothing_measured_is_never_agreement() {
+    let mut study = study();
+    study.sets.truncate(1);
+    for sea in &mut study.sets[0].seas {
+        sea.p_true.clear();
+        (sea.standard_error, sea.method_groups) = (0.0, 0);
+        for shares in [&mut sea.cic, &mut sea.pic, &mut sea.nic] {
+            shares.fill(0.0);
+        }
+    }
+    let text = markdown(&study);
+    assert!(
+        text.contains("| 5 | 3.09 | no data | no data | no data | no data | no data |"),
+        "{text}"
+    );
+    assert!(
+        text.contains("| present | S1 | 0.0421 | no data | – | – | – | –, – |"),
+        "{text}"
+    );
+    assert!(!text.contains("NaN") && !text.contains("0.0000 ±"), "{text}");
+    let row = csv(&study);
+    let row = row.lines().nth(1).expect("a row per set and sea");
+    assert!(
+        row.starts_with("present,plain,5,3.09,,") && row.contains(",S1,0.7,0.0421,,,,,,,,,0,"),
+        "{row}"
+    );
+}
+
+#[test]
+fn no_set_is_no_data_and_one_search_is_one() {
+    let mut study = study();
+    (study.sets, study.accepted) = (Vec::new(), study.accepted.into_iter().take(2).collect());
+    study.searches.truncate(1);
+    study.searches[0].evaluations = 1;
+    let text = markdown(&study);
+    assert!(text.contains("No data: no set was checked."), "{text}");
+    assert!(text.contains("1 search tried 1 candidate; 2 of them"), "{text}");
+    assert!(
+        !text.contains("correlations"),
+        "two trials always lie on a line: {text}"
+    );
+}
+
+#[test]
+fn a_name_from_an_overlay_stays_text_in_every_format() {
+    let mut study = study();
+    study.sets[0].name = "=1+1 <img src=x> | \u{1b}[2J [a](http://b)".into();
+    let text = markdown(&study);
+    assert!(
+        text.contains("| =1+1 &lt;img src=x&gt; \\|  \\[2J \\[a\\](http://b) |"),
+        "{text}"
+    );
+    assert!(!text.contains('\u{1b}') && !text.contains("<img"));
+    let data = csv(&study);
+    assert!(
+        data.contains("\n\"'=1+1 <img src=x> |  [2J [a](http://b)\",plain,"),
+        "{data}"
+    );
+}

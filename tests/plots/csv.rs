@@ -87,12 +87,12 @@ fn groups_and_truth_are_written_in_the_order_of_their_columns() {
         spectrum: "S1".to_owned(),
         fields: 500,
         groups_per_tp: 0.0932,
-        l_over_tp_mean: 2.224,
-        l_over_tp_sd: 1.158,
-        a_over_hs_mean: 0.466,
-        a_over_hs_sd: 0.169,
-        correlation: 0.52,
-        share_a_over_hs_gt_1: 0.0016,
+        l_over_tp_mean: Some(2.224),
+        l_over_tp_sd: Some(1.158),
+        a_over_hs_mean: Some(0.466),
+        a_over_hs_sd: Some(0.169),
+        correlation: Some(0.52),
+        share_a_over_hs_gt_1: Some(0.0016),
     };
     assert!(csv::groups(&[groups]).ends_with("\nS1,500,0.0932,2.224,1.158,0.466,0.169,0.52,0.0016\n"));
     let truth = TruthRow {
@@ -102,7 +102,24 @@ fn groups_and_truth_are_written_in_the_order_of_their_columns() {
         fields: 500,
         groups: 11930,
         capsizes: 7,
-        temporal_exceedance: 0.125,
+        temporal_exceedance: Some(0.125),
     };
     assert!(csv::truth(&[truth], 0.25).ends_with("\nprinted,S4,0.02,500,11930,7,0.125\n"));
+}
+
+#[test]
+fn a_word_of_a_stranger_is_no_formula_and_no_second_row() {
+    for (word, wanted) in [
+        ("=HYPERLINK(\"http://x\")", "\"'=HYPERLINK(\"\"http://x\"\")\""),
+        ("+1", "\"'+1\""),
+        ("-1", "\"'-1\""),
+        ("@SUM(A1)", "\"'@SUM(A1)\""),
+        ("\t=1", "\"' =1\""),
+        ("two\nrows", "\"two rows\""),
+        ("an \u{1b}[31m escape", "\"an  [31m escape\""),
+    ] {
+        assert_eq!(csv::write(["a"], [[Cell::from(word)]]), format!("a\n{wanted}\n"));
+    }
+    // Numbers keep their sign.
+    assert_eq!(csv::write(["a"], [[Cell::Number(-0.25)]]), "a\n-0.25\n");
 }

@@ -300,7 +300,7 @@ fn nothing_known_is_still_a_figure() {
     figure.random = Estimates {
         n_samples: vec![30.0],
         mean: vec![0.0],
-        std: vec![0.0],
+        std: vec![Some(0.0)],
     };
     figure.p_true = None;
     svg::check(&convergence::draw(&figure).expect("a single point is sound"));
@@ -337,4 +337,69 @@ fn arrays_of_different_length_are_refused() {
     figure.rows[0].cells[0].curves[0].probability.pop();
     let error = exceedance::draw(&figure).expect_err("a value is missing");
     assert_eq!(error.to_string(), "probability: expected 49 values, found 48");
+}
+
+#[test]
+fn a_curve_of_one_threshold_is_a_mark() {
+    let mut figure = samples::exceedance(1, 1);
+    for curve in &mut figure.rows[0].cells[0].curves {
+        for values in [&mut curve.theta_t, &mut curve.probability, &mut curve.standard_error] {
+            values.truncate(1);
+        }
+        (curve.theta_t[0], curve.probability[0]) = (0.7, 0.01);
+    }
+    let drawn = exceedance::draw(&figure).expect("one threshold is sound");
+    svg::check(&drawn);
+    for (method, colour) in [("CIC", "#0A823E"), ("PIC", "#E86E04"), ("NIC", "#2058CC")] {
+        let mark = drawn
+            .lines()
+            .any(|line| line.contains("<circle") && line.contains(colour))
+            || drawn.contains(&format!("fill=\"{colour}\""));
+        assert!(mark, "{method} has vanished");
+    }
+}
+
+#[test]
+fn a_standard_error_that_tells_nothing_is_empty_in_the_data_and_has_no_bar() {
+    let mut figure = samples::exceedance(1, 1);
+    let curve = &mut figure.rows[0].cells[0].curves[0];
+    (curve.probability[0], curve.standard_error[0]) = (1.0, 0.0);
+    let theta_t = curve.theta_t[0];
+    let method = curve.method.name();
+    let text = exceedance::csv(&[&figure]);
+    let row = text
+        .lines()
+        .find(|line| line.contains(&format!(",{theta_t},{method},")));
+    assert!(
+        row.is_some_and(|row| row.contains(&format!(",{method},1,,"))),
+        "{row:?}"
+    );
+}
+
+#[test]
+fn a_single_realisation_has_no_spread_to_draw_or_write() {
+    let mut figure = samples::convergence();
+    figure.realisations = 1;
+    for estimates in [&mut figure.sequential, &mut figure.random] {
+        estimates.std.fill(None);
+    }
+    let drawn = convergence::draw(&figure).expect("no spread is sound");
+    svg::check(&drawn);
+    assert!(svg::words(&drawn).iter().any(|word| word.ends_with(", 1 realisation")));
+    let text = convergence::csv(&figure);
+    let row = text.lines().find(|line| line.starts_with("sequential,30,"));
+    assert!(row.is_some_and(|row| row.ends_with(',')), "{row:?}");
+}
+
+#[test]
+fn a_sea_of_a_millimetre_and_one_of_a_kilometre_fill_their_panels() {
+    for size in [1e-3, 1e3] {
+        let mut figure = samples::wave_groups();
+        for value in figure.eta.value.iter_mut().chain(&mut figure.rho.value) {
+            *value *= size;
+        }
+        let (largest, limit) = (figure.eta.largest(), wave_groups::elevation_limit(figure.eta.largest()));
+        assert!(limit >= largest && limit < 2.5 * largest, "{limit} for {largest}");
+        svg::check(&wave_groups::draw(&figure).expect("any size is sound"));
+    }
 }

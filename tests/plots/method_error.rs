@@ -23,9 +23,10 @@ fn a_ratio_has_the_errors_of_both_and_none_where_the_truth_is_zero() {
     let found = ratios(&cic, &truth).expect("they belong together");
     assert_eq!(found.len(), 2);
     assert_eq!((found[0].theta_t, found[0].ratio, found[1].ratio), (0.1, 0.5, 0.0));
-    assert!((found[0].standard_error - 0.5 * 0.02_f64.sqrt()).abs() < 1e-15);
-    // None of many: its own error is unknown, the truth's times zero is zero.
-    assert_eq!(found[1].standard_error, 0.0);
+    let error = found[0].standard_error.expect("both are known");
+    assert!((error - 0.5 * 0.02_f64.sqrt()).abs() < 1e-15);
+    // None of many: its own error is unknown, and so is that of the ratio.
+    assert_eq!(found[1].standard_error, None);
     assert!(ratios(&curve(Method::Cic, &[0.1], &[0.1]), &truth).is_err());
 }
 

@@ -207,14 +207,16 @@ pub(crate) fn convergence() -> Convergence {
         let n = f64::from(n);
         sequential.n_samples.push(n);
         sequential.mean.push(p_true * (1.0 + 0.35 * exp(-(n - 30.0) / 15.0)));
-        sequential.std.push(p_true * (0.07 + 0.6 * exp(-(n - 30.0) / 20.0)));
+        sequential
+            .std
+            .push(Some(p_true * (0.07 + 0.6 * exp(-(n - 30.0) / 20.0))));
     }
     let mut random = Estimates::default();
     for n in (30..=3000).step_by(30) {
         let n = f64::from(n);
         random.n_samples.push(n);
         random.mean.push(p_true * (1.0 + 0.04 * cos(0.02 * n)));
-        random.std.push(((1.0 - p_true) * p_true / n).sqrt());
+        random.std.push(Some(((1.0 - p_true) * p_true / n).sqrt()));
     }
     Convergence {
         ship: "calibrated".to_owned(),
@@ -224,15 +226,15 @@ pub(crate) fn convergence() -> Convergence {
         realisations: 100,
         p_true: Some(p_true),
         best: Estimates {
-            std: sequential.std.iter().map(|std| 0.8 * std).collect(),
+            std: sequential.std.iter().map(|std| std.map(|std| 0.8 * std)).collect(),
             ..sequential.clone()
         },
         control: Estimates {
-            std: sequential.std.iter().map(|std| 0.5 * std).collect(),
+            std: sequential.std.iter().map(|std| std.map(|std| 0.5 * std)).collect(),
             ..sequential.clone()
         },
         lhs: Estimates {
-            std: sequential.std.iter().map(|std| 2.0 * std).collect(),
+            std: sequential.std.iter().map(|std| std.map(|std| 2.0 * std)).collect(),
             ..sequential.clone()
         },
         floor: Some(1.4),
@@ -252,12 +254,17 @@ pub(crate) fn table() -> table::Table {
             random_std_percent,
         })
     };
-    let estimate = |mean, std| Some(table::Estimate { mean, std });
+    let estimate = |mean, std| {
+        let std = Some(std);
+        Some(table::Estimate { mean, std })
+    };
     let row = |spectrum: &str, theta_t, p_true, sequential, random, paper| table::Row {
         spectrum: spectrum.to_owned(),
         theta_t,
         p_true: Some(p_true),
         p_true_se: Some(0.00024),
+        p_true_groups: 500_000,
+        reached: 120,
         sequential,
         random,
         best: sequential,
@@ -311,7 +318,7 @@ pub(crate) fn table() -> table::Table {
     rows[3].p_true_se = None;
     table::Table {
         ship: "calibrated".to_owned(),
-        epsilon_1: 0.002,
+        epsilon_1: Some(0.002),
         samples: 120,
         realisations: 100,
         rows,

@@ -71,3 +71,63 @@ fn latex_escapes_a_name() {
     table.rows[0].spectrum = "S_1".to_owned();
     assert!(table::latex(&table).contains("S\\_1 & 0.7"));
 }
+
+#[test]
+fn a_table_without_rows_says_why() {
+    let mut table = samples::table();
+    table.rows.clear();
+    assert!(table::markdown(&table).contains("No data: no row of vhgp_seq.case names a sea of this run."));
+}
+
+#[test]
+fn a_threshold_that_does_not_round_well_stays_within_its_column() {
+    let mut table = samples::table();
+    table.rows[0].theta_t = 0.779_999_999_999_999_9;
+    let words = svg::words(&table::svg(&table).expect("the sample is sound"));
+    assert!(words.iter().any(|word| word == "0.78"));
+    assert!(table::markdown(&table).contains("| S1 | 0.78 |"));
+    assert!(
+        table::csv(&table).contains("\nS1,0.7799999999999999,"),
+        "the data keep every digit"
+    );
+}
+
+#[test]
+fn what_was_never_seen_has_a_bound_and_no_error() {
+    let mut table = samples::table();
+    (table.rows[0].p_true, table.rows[0].p_true_se) = (Some(0.0), None);
+    table.rows[0].p_true_groups = 3000;
+    table.rows[0].random = Some(table::Estimate { mean: 0.0, std: None });
+    let text = table::markdown(&table);
+    // 3/3000; 3 over 120 samples in each of 100 realisations.
+    assert!(
+        text.contains("| S1 | 0.7 | < 0.001 |") && text.contains("| < 0.00025 |"),
+        "{text}"
+    );
+    assert!(table::latex(&table).contains("$<$ 0.001"));
+    assert!(table::csv(&table).contains("\nS1,0.7,0,,"));
+}
+
+#[test]
+fn one_realisation_is_one_and_has_no_standard_deviation() {
+    let mut table = samples::table();
+    (table.realisations, table.samples) = (1, 1);
+    for row in &mut table.rows {
+        row.sequential = row.sequential.map(|known| table::Estimate { std: None, ..known });
+        row.reached = 1;
+    }
+    let text = table::markdown(&table);
+    assert!(text.contains("of 1 realisation with 1 sample each"), "{text}");
+    assert!(
+        text.contains("| 0.0451 | 0.0416 (5 %) |") && text.contains("−1.7, –, –"),
+        "{text}"
+    );
+}
+
+#[test]
+fn blank_cells_of_a_sea_with_too_few_groups_are_explained() {
+    let mut table = samples::table();
+    (table.rows[1].sequential, table.rows[1].reached) = (None, 15);
+    let said = "S2: the estimates end at 15 samples, since the sea has no more groups.";
+    assert!(table::markdown(&table).contains(said));
+}

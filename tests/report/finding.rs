@@ -2,14 +2,18 @@
 
 use encounter::report::evidence::{Measured, ratio};
 use encounter::report::finding::{Claim, Expectation, Outcome, Verdict, findings};
-use encounter::report::findings_text::{markdown, table, written};
+use encounter::report::findings_text::{Ships, markdown, table, written};
 
 fn number(value: f64, standard_error: f64) -> Measured {
-    Measured {
-        value,
-        standard_error: Some(standard_error),
-    }
+    Measured::with_error(value, standard_error)
 }
+
+const BOTH: Ships<'_> = Ships {
+    printed: "printed",
+    printed_was_run: true,
+    reading: Some("other"),
+    left_out: &[],
+};
 
 fn claim(id: &str, measured: Option<Measured>) -> Claim {
     Claim {
@@ -40,10 +44,7 @@ fn two_standard_errors_on_the_wrong_side_fail_and_on_the_right_side_hold() {
     ] {
         assert_eq!(outcome(expectation, value), wanted, "{expectation:?} {value}");
     }
-    let exact = Measured {
-        value: 1.0,
-        standard_error: None,
-    };
+    let exact = Measured::exact(1.0);
     assert_eq!(Expectation::Above(1.0).outcome(exact), Fails, "no more than the bound");
 }
 
@@ -88,7 +89,7 @@ fn a_claim_has_one_line_and_a_table_of_its_cases() {
     let reading = [claim("F1-S1", yes), claim("F1-S2", no), claim("F2", yes)];
     let all = findings(&printed, &reading);
     assert_eq!(all[2].claim.measured, None, "one ship alone can test it");
-    let text = markdown(&all, "printed", "other");
+    let text = markdown(&all, &BOTH);
     for wanted in [
         "- reproduced under the other reading: 2\n- not reproduced: 1\n",
         "| F1 | it grows \\| a bar | S1: reproduced under the other reading; S2: not reproduced |\n",
@@ -99,7 +100,7 @@ fn a_claim_has_one_line_and_a_table_of_its_cases() {
     ] {
         assert!(text.contains(wanted), "{wanted} in {text}");
     }
-    let csv = table(&all, "other");
+    let csv = table(&all, &BOTH);
     assert_eq!(csv.lines().count(), 4);
     assert!(
         csv.ends_with("F2,it grows | a bar,growth,> 1,,,,3,0.1,holds,reproduced under the other reading\n"),
@@ -120,12 +121,7 @@ fn a_number_has_the_digits_that_its_error_allows() {
     ] {
         assert_eq!(written(Some(number(value, error))), wanted);
     }
-    let exact = |value: f64| {
-        written(Some(Measured {
-            value,
-            standard_error: None,
-        }))
-    };
+    let exact = |value: f64| written(Some(Measured::exact(value)));
     assert_eq!(
         (exact(0.75), exact(0.0), exact(1234.0)),
         ("0.75".into(), "0".into(), "1230".into())
@@ -140,4 +136,39 @@ fn a_ratio_carries_both_standard_errors() {
     // 10 % each, independent.
     assert!((known.standard_error.expect("both have one") - 0.5 * 0.02_f64.sqrt()).abs() < 1e-15);
     assert_eq!(ratio(number(2.0, 0.2), number(0.0, 0.0)), None);
+}
+
+#[test]
+fn a_ship_that_was_not_run_is_said_to_have_no_data() {
+    let yes = [claim("F1-S1", Some(number(3.0, 0.1)))];
+    let alone = Ships { reading: None, ..BOTH };
+    let text = markdown(&findings(&yes, &[]), &alone);
+    assert!(
+        text.contains("No data: this run has no ship but the printed one."),
+        "{text}"
+    );
+    let left_out = ["third".to_owned()];
+    let others = Ships {
+        printed_was_run: false,
+        left_out: &left_out,
+        ..BOTH
+    };
+    let text = markdown(&findings(&[], &yes), &others);
+    assert!(
+        text.contains("No data: *printed* is not among the ships of this run."),
+        "{text}"
+    );
+    assert!(text.contains("Not compared: *third*"), "{text}");
+    assert!(!markdown(&findings(&yes, &yes), &BOTH).contains("No data"));
+}
+
+#[test]
+fn a_bound_is_written_as_one_and_is_no_error_in_the_data() {
+    assert_eq!(written(Some(Measured::none_among(3000.0))), "0, at most 0.0010");
+    let bounded = [claim("F1", Some(Measured::none_among(3000.0)))];
+    let text = table(&findings(&bounded, &[]), &BOTH);
+    assert!(
+        text.contains("\nF1,it grows | a bar,growth,> 1,0,,fails,,,,not reproduced\n"),
+        "{text}"
+    );
 }
