@@ -2,7 +2,8 @@
 
 use std::collections::BTreeMap;
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::process::Command;
 
 type Row = BTreeMap<String, String>;
 
@@ -191,4 +192,75 @@ fn the_readme_shows_the_committed_errors() {
 #[test]
 fn the_readme_has_no_blanks() {
     assert!(!read("README.md").contains('@'), "a placeholder is left");
+}
+
+/// Calls git in a folder, without the settings of whoever runs the tests.
+fn git(folder: &Path, arguments: &[&str]) {
+    let who = ["-c", "user.name=toy", "-c", "user.email=toy@example.org"];
+    let mut git = Command::new("git");
+    git.env("GIT_CONFIG_GLOBAL", "/dev/null")
+        .env("GIT_CONFIG_NOSYSTEM", "1");
+    let output = git
+        .current_dir(folder)
+        .args(who)
+        .args(arguments)
+        .output()
+        .expect("git runs");
+    assert!(
+        output.status.success(),
+        "{arguments:?}: {}",
+        String::from_utf8_lossy(&output.stderr)
+    );
+}
+
+/// Every committed file that is compared or hashed byte by byte, by path.
+fn compared() -> Vec<String> {
+    let mut paths = vec!["Cargo.lock".to_owned(), "Cargo.toml".to_owned()];
+    for folder in ["artifacts", "figures", "figures/printed", "stages", "src/ship"] {
+        let entries = fs::read_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join(folder)).expect("a folder");
+        let files = entries.flatten().filter(|entry| entry.path().is_file());
+        let is_store = |name: &str| folder == "artifacts" && !name.ends_with(".lock") || name == "store.lock";
+        let names = files.map(|entry| entry.file_name().to_string_lossy().into_owned());
+        paths.extend(
+            names
+                .filter(|name| !is_store(name))
+                .map(|name| format!("{folder}/{name}")),
+        );
+    }
+    paths
+}
+
+#[test]
+fn a_clone_that_converts_line_ends_holds_the_same_bytes() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let folder = tempfile::tempdir().expect("a temporary folder can be made");
+    let origin = folder.path().join("origin");
+    let paths = compared();
+    assert!(paths.len() > 60, "{paths:?}");
+    for path in paths.iter().map(String::as_str).chain([".gitattributes"]) {
+        let copy = origin.join(path);
+        fs::create_dir_all(copy.parent().expect("a folder")).expect("a folder can be made");
+        fs::copy(root.join(path), copy).expect("the file is committed");
+    }
+    git(&origin, &["init", "--quiet"]);
+    git(&origin, &["add", "--all", "--force"]);
+    git(&origin, &["commit", "--quiet", "--message", "A state"]);
+    let clone = |name: &str| {
+        let to = folder.path().join(name);
+        let (from, into) = (origin.display().to_string(), to.display().to_string());
+        git(
+            folder.path(),
+            &["clone", "--quiet", "-c", "core.autocrlf=true", &from, &into],
+        );
+        to
+    };
+    let changed = |clone: PathBuf| {
+        let differs = |path: &&String| fs::read(clone.join(path)).ok() != fs::read(root.join(path)).ok();
+        paths.iter().filter(differs).count()
+    };
+    assert_eq!(changed(clone("clone")), 0);
+    // It is the attributes that do it.
+    git(&origin, &["rm", "--quiet", ".gitattributes"]);
+    git(&origin, &["commit", "--quiet", "--message", "Without them"]);
+    assert!(changed(clone("other")) > 60);
 }

@@ -9,7 +9,7 @@ use std::path::Path;
 /// The lock of a whole run in an empty store.
 fn lock_of(profile: &'static str, workers: &str) -> Lock {
     let program = Program::new(profile);
-    let said = program.call(&["run", "-j", workers]);
+    let said = program.call(&["run", "--update-lock", "-j", workers]);
     assert_eq!(said.code, 0, "{}", said.stderr);
     Lock::parse(&program.lock_text()).expect("our own lock")
 }
@@ -18,7 +18,7 @@ fn committed(profile: &str) -> Lock {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("artifacts/{profile}.lock"));
     let text = std::fs::read_to_string(&path).unwrap_or_else(|why| {
         let path = path.display();
-        panic!("{path}: {why}; `encounter run --profile {profile}` writes it, and it is committed")
+        panic!("{path}: {why}; `encounter run --profile {profile} --update-lock` writes it, and it is committed")
     });
     Lock::parse(&text).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
 }
@@ -117,7 +117,7 @@ fn no_more_runs_than_an_edit_needs() {
 fn a_part_of_the_paper_computes_only_what_it_needs() {
     let program = Program::new("tiny");
     let overlay = program.file("my.toml", "[run]\nseas = [\"S1\"]\nships = [\"calibrated\"]\n");
-    let ran = program.ran(&["truth", "fig3_exceedance", "--overlay", &overlay]);
+    let ran = program.ran(&["truth", "fig3_exceedance", "--overlay", &overlay, "--name", "part"]);
     let expected = [
         "cic",
         "envelope",
@@ -137,8 +137,8 @@ fn a_part_of_the_paper_computes_only_what_it_needs() {
     assert_eq!(stages(&ran), BTreeSet::from(expected));
     let is_own = |node: &String| !node.contains("printed") && ["S2", "S3", "S4"].iter().all(|sea| !node.contains(sea));
     assert!(ran.keys().all(is_own), "{ran:?}");
-    let mut files: Vec<String> = std::fs::read_dir(program.path("store/figures/custom"))
-        .expect("the custom folder")
+    let mut files: Vec<String> = std::fs::read_dir(program.checkout("artifacts/figures/part"))
+        .expect("the folder of the what-if")
         .map(|entry| entry.expect("an entry").file_name().to_string_lossy().into_owned())
         .collect();
     files.sort();
@@ -148,7 +148,14 @@ fn a_part_of_the_paper_computes_only_what_it_needs() {
 #[test]
 fn figures_of_other_seas_work_where_only_one_is_run() {
     let program = Program::new("tiny");
-    let one_sea = ["--set", "run.seas=[\"S1\"]", "--set", "run.ships=[\"calibrated\"]"];
+    let one_sea = [
+        "--set",
+        "run.seas=[\"S1\"]",
+        "--set",
+        "run.ships=[\"calibrated\"]",
+        "--name",
+        "one_sea",
+    ];
     let figures = ["fig4_response_moments", "fig5_vhgp_seq", "fig6_jonswap_groups"];
     let ran = program.ran(&[figures.as_slice(), one_sea.as_slice()].concat());
     for node in [
@@ -162,7 +169,11 @@ fn figures_of_other_seas_work_where_only_one_is_run() {
     let all = program.ran(&one_sea);
     assert!(all.contains_key("table1/calibrated"), "{all:?}");
     for figure in figures {
-        assert!(program.path(&format!("store/figures/custom/{figure}.svg")).is_file());
+        assert!(
+            program
+                .checkout(&format!("artifacts/figures/one_sea/{figure}.svg"))
+                .is_file()
+        );
     }
 }
 
@@ -215,14 +226,14 @@ fn a_run_is_not_refused_for_a_rule_of_what_it_does_not_use() {
 fn the_calibration_study_runs_on_request_into_a_lock_of_its_own() {
     let program = Program::new("tiny");
     let made = |workers: &str| {
-        let said = program.call(&["run", "calibration", "-j", workers]);
+        let said = program.call(&["run", "calibration", "--update-lock", "-j", workers]);
         assert_eq!(said.code, 0, "{}", said.stderr);
-        std::fs::read_to_string(program.path("store/tiny.calibration.lock")).expect("its lock is written")
+        std::fs::read_to_string(program.checkout("artifacts/tiny.calibration.lock")).expect("its lock is written")
     };
     assert_eq!(program.call(&["run", "calibration_check"]).code, 0);
-    assert!(!program.path("store/tiny.calibration_check.lock").exists());
+    assert!(!program.checkout("artifacts/tiny.calibration_check.lock").exists());
     let text = made("2");
-    assert!(!program.path("store/tiny.lock").exists());
+    assert!(!program.checkout("artifacts/tiny.lock").exists());
     let lock = Lock::parse(&text).expect("our own lock");
     assert!(lock.lines.iter().any(|line| line.name == "file calibration.md"));
     assert!(lock.lines.iter().all(|line| !line.name.starts_with("ground_truth")));

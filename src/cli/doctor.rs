@@ -8,13 +8,17 @@ use std::time::Instant;
 use clap::Args;
 use serde_json::json;
 
+use crate::cli::session::Session;
 use crate::cli::{Common, print_json, say};
 use crate::engine::audit::{Audit, audit};
 use crate::engine::error::{Error, Result};
+use crate::engine::figures;
 use crate::engine::plan::Plan;
+use crate::engine::publish;
 use crate::engine::store::Store;
 use crate::numerics::lanes::Level;
 use crate::numerics::self_test;
+use crate::stages::axes::SHIP;
 use crate::text::count::counted;
 
 /// Arguments of `encounter doctor`.
@@ -80,7 +84,8 @@ pub fn doctor(args: &DoctorArgs) -> Result<()> {
     } else {
         None
     };
-    let problems = problems(&wanted, memory, disk, bits.as_ref().err(), found.as_ref());
+    let mut problems = problems(&wanted, memory, disk, bits.as_ref().err(), found.as_ref());
+    problems.extend(unwritable(&session));
     if args.common.json {
         print_json(&json!({
             "format": 1, "profile": args.common.profile.name(), "cores": cores, "level": level.name(),
@@ -242,6 +247,33 @@ fn span(minutes: f64) -> String {
     } else {
         format!("{minutes:.1} min")
     }
+}
+
+/// Folders of the store and of the figures in which no file can be made, which only making one shows.
+fn unwritable(session: &Session) -> Vec<String> {
+    let folders = [
+        "objects",
+        "records",
+        "parts",
+        "manifests",
+        "locks",
+        "tmp",
+        "runs",
+        "quarantine",
+    ];
+    let store = std::iter::once("").chain(folders).map(|name| session.store.join(name));
+    let in_store = store.map(|folder| figures::probe(&folder)).find_map(Result::err);
+    let figures = publish::check_folder(&session.graph, SHIP, &session.ships, &session.set()).err();
+    let artifacts = figures::probe(&session.checkout.artifacts()).err();
+    let told = |what: &str, option: &str, error: Option<Error>| {
+        error.map(|error| format!("{what}: {error}; make it writable, or choose another folder with {option}"))
+    };
+    let found = [
+        told("store", "--store", in_store),
+        told("figures", "--figures", figures),
+        artifacts.map(|error| format!("checkout: {error}; locks and the list of published files lie there")),
+    ];
+    found.into_iter().flatten().collect()
 }
 
 /// What stands in the way.

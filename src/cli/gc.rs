@@ -5,7 +5,7 @@ use std::path::Path;
 use clap::{Args, ValueEnum};
 use serde_json::json;
 
-use crate::cli::{Common, Profile, print_json, progress, say};
+use crate::cli::{Common, Profile, print_json, progress, say, stale};
 use crate::engine::claim;
 use crate::engine::error::{Error, Result};
 use crate::engine::gc::{self, Alone, BOUND, Sweep, plan};
@@ -23,6 +23,10 @@ pub struct GcArgs {
     /// Only say what would go
     #[arg(long)]
     dry_run: bool,
+    /// Leave the store alone and remove, from the figures folder of these parameters, the files that no run of them makes
+    /// any more; what was edited by hand is named and kept
+    #[arg(long, conflicts_with = "max")]
+    stale: bool,
     #[command(flatten)]
     common: Common,
 }
@@ -53,6 +57,9 @@ fn size(text: &str) -> std::result::Result<u64, String> {
 /// # Errors
 /// A damaged lock, anything in the store that cannot be read, or a file that cannot be removed.
 pub fn gc(args: &GcArgs) -> Result<()> {
+    if args.stale {
+        return stale::remove(&args.common, args.dry_run);
+    }
     if args.common.is_custom() {
         // They say nothing to `gc`; a mistyped one is told as by every verb.
         args.common.open(&[])?;

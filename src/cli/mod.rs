@@ -9,6 +9,7 @@ pub mod progress;
 pub mod run;
 mod session;
 pub mod show;
+mod stale;
 pub mod status;
 mod timing;
 pub mod verify;

@@ -201,7 +201,7 @@ impl Lock {
     pub fn parse(text: &str) -> Result<Self> {
         let refuse = |line: usize, why: &str| Error::Damaged {
             what: format!("the lock, line {line}"),
-            why: format!("{why}; a complete `encounter run` writes it anew"),
+            why: format!("{why}; a whole run with --update-lock writes it anew"),
         };
         // It is shown to people: what is no text must not reach their terminal.
         let is_plain = |row: &str| row.bytes().all(|byte| byte == b'\t' || (b' '..=b'~').contains(&byte));

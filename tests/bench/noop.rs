@@ -152,6 +152,8 @@ fn process(verb: &str, store: &Path) {
         .current_dir(env!("CARGO_MANIFEST_DIR"))
         .args([verb, "--profile", "quick", "--store"])
         .arg(store)
+        .arg("--figures")
+        .arg(store.join("figures"))
         .output()
         .expect("the binary runs");
     assert!(said.status.success(), "{}", String::from_utf8_lossy(&said.stderr));

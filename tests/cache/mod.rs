@@ -12,6 +12,7 @@ mod on_request;
 mod params;
 mod pieces;
 mod plan;
+mod publish;
 mod seeds;
 mod store;
 mod timing;

@@ -59,3 +59,47 @@ fn work_done_is_no_longer_expected_and_damage_is_a_problem() {
     assert_eq!(said.code, 3, "{}", said.stdout);
     assert!(said.stdout.contains("problem  store: 1 damaged"), "{}", said.stdout);
 }
+
+#[test]
+fn a_store_or_a_figures_folder_in_which_no_file_can_be_made_is_a_problem_that_is_named() {
+    let program = Program::new("tiny");
+    assert_eq!(program.call(&["run", "groups"]).code, 0);
+    program.exits(0, &["doctor"]);
+    let figures = program.path("figures");
+    fs::write(&figures, "a file").expect("a file can be written");
+    let figures = figures.display().to_string();
+    // Not even the superuser makes a file in /proc.
+    for folder in ["/proc/figures", figures.as_str()] {
+        let said = program.exits(3, &["doctor", "--figures", folder]);
+        let told = format!("problem  figures: cannot write to {folder}");
+        assert!(said.stdout.contains(&told), "{}", said.stdout);
+        assert!(
+            said.stdout.contains("with --figures") && !said.stdout.contains("all is well"),
+            "{}",
+            said.stdout
+        );
+    }
+    let store = std::process::Command::new(env!("CARGO_BIN_EXE_encounter"))
+        .current_dir(program.path("checkout"))
+        .args(["doctor", "--profile", "tiny", "--store", "/proc/store"])
+        .output()
+        .expect("the binary runs");
+    let said = String::from_utf8_lossy(&store.stdout).into_owned();
+    assert_eq!(store.status.code(), Some(3), "{said}");
+    assert!(said.contains("problem  store: cannot write to /proc/store"), "{said}");
+    let tmp = program.path("store/tmp");
+    fs::remove_dir_all(&tmp).expect("the folder can be deleted");
+    fs::write(&tmp, "a file").expect("a file can be written");
+    let said = program.exits(3, &["doctor"]);
+    assert!(
+        said.stdout.contains("problem  store: cannot write to "),
+        "{}",
+        said.stdout
+    );
+    // What was tried leaves nothing.
+    let left = fs::read_dir(program.path("store")).expect("a folder").flatten();
+    assert!(
+        left.into_iter()
+            .all(|entry| !entry.file_name().to_string_lossy().starts_with(".encounter-"))
+    );
+}

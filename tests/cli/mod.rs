@@ -3,7 +3,9 @@
 mod diff;
 mod doctor;
 mod exits;
+mod figures;
 mod graph;
+mod locks;
 mod ranges;
 mod refusals;
 mod robust;

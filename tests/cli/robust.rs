@@ -88,12 +88,18 @@ fn what_killed_runs_left_beside_figures_and_locks_goes_with_the_next() {
     let said = program.call(&arguments);
     assert_eq!(said.code, 0, "{}", said.stderr);
     let left = [
-        figures.join("truth.csv.0123456789abcdef.tmp"),
         figures.join(".encounter-0123456789abcdef.tmp"),
-        program.path("store/tiny.lock.fedcba9876543210.tmp"),
+        figures.join(".encounter-aB3dEfGhIjKlMnOp.tmp"),
     ];
-    let held = figures.join("truth.csv.00000000000000aa.tmp");
-    let strange = [figures.join("notes.tmp"), figures.join("truth.csv.0123.tmp")];
+    let held = figures.join(".encounter-00000000000000aa.tmp");
+    let strange = [
+        figures.join("notes.tmp"),
+        figures.join("truth.csv.0123456789abcdef.tmp"),
+        figures.join(".encounter-0123.tmp"),
+        figures.join(".encounter-0123456789abcdef.tmp.txt"),
+        program.path("store/tiny.lock.fedcba9876543210.tmp"),
+        program.checkout("artifacts/notes.fedcba9876543210.tmp"),
+    ];
     for path in left.iter().chain([&held]).chain(&strange) {
         fs::write(path, "half of a fig").expect("a file can be written");
     }
@@ -102,7 +108,7 @@ fn what_killed_runs_left_beside_figures_and_locks_goes_with_the_next() {
     assert_eq!(program.call(&arguments).code, 0);
     assert!(left.iter().all(|path| !path.exists()), "{left:?}");
     // A living writer's, and what the program never wrote.
-    assert!(held.exists() && strange.iter().all(|path| path.exists()));
+    assert!(held.exists() && strange.iter().all(|path| path.exists()), "{strange:?}");
     drop(writer);
     assert_eq!(program.call(&arguments).code, 0);
     assert!(!held.exists());
@@ -112,9 +118,7 @@ fn what_killed_runs_left_beside_figures_and_locks_goes_with_the_next() {
 fn an_interrupted_rebuild_leaves_no_temporary_folder() {
     let program = Program::new("quick");
     fs::create_dir(program.path("tmp")).expect("a folder can be made");
-    fs::create_dir(program.path("store")).expect("a folder can be made");
-    let lock = Path::new(env!("CARGO_MANIFEST_DIR")).join("artifacts/quick.lock");
-    fs::copy(lock, program.path("store/quick.lock")).expect("the lock can be copied");
+    program.commit_lock();
     let mut command = program.command(&["verify", "--rebuild", "-j", "2"]);
     let command = command
         .env("TMPDIR", program.path("tmp"))
@@ -191,19 +195,17 @@ fn a_piece_is_planned_and_run_alone() {
 #[test]
 fn a_lock_that_would_move_the_readers_cursor_is_refused_by_line() {
     let program = Program::new("tiny");
-    fs::create_dir(program.path("store")).expect("a folder can be made");
-    let lock = Path::new(env!("CARGO_MANIFEST_DIR")).join("artifacts/tiny.lock");
-    let good = fs::read_to_string(lock).expect("the lock is committed");
+    let good = fs::read_to_string(program.commit_lock()).expect("the lock is committed");
     assert!(Lock::parse(&good).is_ok());
     program.file(
-        "store/tiny.lock",
+        "checkout/artifacts/tiny.lock",
         good.replacen("wave_synthesis", "wave\u{1b}[2Jsynthesis", 1),
     );
     let said = program.call(&["verify", "--lock"]);
     assert_eq!(said.code, 5, "{}", said.stderr);
     assert!(said.stderr.contains("tiny.lock, line "), "{}", said.stderr);
     assert!(!said.stderr.contains('\u{1b}'), "{}", said.stderr);
-    program.file("store/tiny.lock", good.replacen("keys 1", "keys 2", 1));
+    program.file("checkout/artifacts/tiny.lock", good.replacen("keys 1", "keys 2", 1));
     let said = program.call(&["verify", "--lock"]);
     assert!(
         said.stderr.contains("head: expected keys 1, found 2"),
@@ -239,19 +241,27 @@ fn told_in_time(program: &Program, arguments: &[&str]) -> (i32, String) {
 fn a_pipe_where_a_file_should_be_is_not_waited_for() {
     let program = Program::new("tiny");
     let run = small(&["run", "truth"]);
-    assert_eq!(program.call(&run).code, 0);
-    // What only makes runs faster or explains them is written anew.
-    for name in ["published", "runs/99999.json"] {
-        pipe(&program.path("store").join(name));
-        assert_eq!(told_in_time(&program, &run), (0, String::new()), "{name}");
+    let folder = program.folder_of(&program.json(&run));
+    // What only tells our figures from others or protects from garbage collection is written anew.
+    for path in [
+        program.checkout("artifacts/published"),
+        program.path("store/runs/99999.json"),
+    ] {
+        pipe(&path);
+        assert_eq!(told_in_time(&program, &run), (0, String::new()), "{}", path.display());
     }
-    let figure = program.path("store/figures/custom/truth.csv");
+    // A pipe named like one of our temporary files is not opened, and stays.
+    let temporary = folder.join(".encounter-0123456789abcdef.tmp");
+    pipe(&temporary);
+    assert_eq!(told_in_time(&program, &run), (0, String::new()));
+    assert!(temporary.exists());
+    let figure = folder.join("truth.csv");
     pipe(&figure);
     let (code, told) = told_in_time(&program, &run);
     assert_eq!(code, 5, "{told}");
     assert!(told.contains("truth.csv: it is no regular file"), "{told}");
     fs::remove_file(&figure).expect("a pipe can be deleted");
-    pipe(&program.path("store/tiny.lock"));
+    pipe(&program.checkout("artifacts/tiny.lock"));
     assert_eq!(told_in_time(&program, &["verify", "--lock"]).0, 5);
     pipe(&program.path("store/store.lock"));
     let (code, told) = told_in_time(&program, &run);

@@ -58,7 +58,18 @@ fn states(status: &Value) -> BTreeSet<(String, String)> {
 fn a_whole_run_is_told_shown_verified_and_repaired() {
     let program = Program::new("tiny");
     let before = program.json(&["status"]);
-    let expected = ["cost", "figures", "files", "format", "nodes", "profile", "stale", "warnings"];
+    let expected = [
+        "cost",
+        "figures",
+        "files",
+        "folder",
+        "format",
+        "nodes",
+        "profile",
+        "stale",
+        "stale_files",
+        "warnings",
+    ];
     assert_eq!(keys(&before), expected);
     assert_eq!(before["profile"], "tiny");
     let node_keys = [
@@ -90,13 +101,14 @@ fn a_whole_run_is_told_shown_verified_and_repaired() {
     assert_eq!(before["figures"].as_array().map(Vec::len), Some(20));
     assert_eq!(before["cost"]["untimed"].as_u64(), Some(sum(&before, "pieces")));
     assert!(states(&before).iter().all(|(_, state)| state == "missing"));
-    assert!(!program.path("store/figures").exists());
+    assert!(!program.checkout("artifacts/figures").exists());
 
-    let run = program.json(&["run"]);
-    assert_eq!(
-        keys(&run),
-        ["failed", "files", "format", "healed", "ran", "reused", "seconds", "warnings"]
-    );
+    let run = program.json(&["run", "--update-lock"]);
+    let expected = [
+        "failed", "files", "folder", "format", "healed", "lock", "ran", "removed", "reused", "seconds", "stale",
+        "warnings",
+    ];
+    assert_eq!(keys(&run), expected);
     let ran = run["ran"].as_array().expect("a list");
     assert_eq!(ran.len() as u64, sum(&before, "pieces"));
     assert_eq!(keys(&ran[0]), ["node", "piece", "seconds"]);
@@ -107,8 +119,11 @@ fn a_whole_run_is_told_shown_verified_and_repaired() {
     let file = &run["files"][0];
     assert_eq!(keys(file), ["id", "path", "written"]);
     assert_eq!(file["id"].as_str().map(str::len), Some(64));
-    let figures = program.path("store/figures/tiny");
-    assert_eq!(files_in(&figures), published());
+    let figures = program.checkout("artifacts/figures/tiny");
+    assert_eq!(program.folder_of(&run), figures);
+    let mut expected = published();
+    expected.insert("parameters.toml".to_owned());
+    assert_eq!(files_in(&figures), expected);
     assert_eq!(files_in(&figures.join("printed")), published());
     assert_eq!(run["files"].as_array().map(Vec::len), Some(2 * published().len()));
 
@@ -216,7 +231,15 @@ fn verifies(program: &Program, figures: &Path) {
     let equal = program.json(&["verify", "--lock"]);
     assert_eq!(
         keys(&equal),
-        ["compared", "differences", "format", "lines", "lock", "toolchains"]
+        [
+            "compared",
+            "differences",
+            "format",
+            "lines",
+            "lock",
+            "stale",
+            "toolchains"
+        ]
     );
     assert_eq!(equal["differences"].as_array().map(Vec::len), Some(0));
     let lock = program.lock_text();
@@ -256,7 +279,7 @@ fn verifies(program: &Program, figures: &Path) {
     assert_eq!(program.lock_text(), lock);
 
     program.exits(0, &["verify", "--rebuild", "-j", "1"]);
-    let lock_file = program.path("store/tiny.lock");
+    let lock_file = program.checkout("artifacts/tiny.lock");
     let line = lock
         .lines()
         .find(|line| line.starts_with("cic/printed-S2 "))
@@ -279,26 +302,26 @@ fn verifies(program: &Program, figures: &Path) {
 pub(crate) const SMALL: [&str; 4] = ["--set", "run.seas=[\"S1\"]", "--set", "run.ships=[\"calibrated\"]"];
 
 #[test]
-fn a_what_if_writes_to_the_custom_folder_and_no_lock() {
+fn a_what_if_writes_to_a_folder_of_its_own_and_no_lock() {
     let program = Program::new("tiny");
     let run = program.json(&[&["run", "groups"], SMALL.as_slice()].concat());
-    let custom = program.path("store/figures/custom");
-    assert_eq!(files_in(&custom), BTreeSet::from(["groups.csv".to_owned()]));
+    let first = program.folder_of(&run);
+    let files = BTreeSet::from(["groups.csv".to_owned(), "parameters.toml".to_owned()]);
+    assert_eq!(files_in(&first), files);
     assert_eq!(run["files"][0]["path"], "groups.csv");
     let overlay = program.file("my.toml", "[run]\nseas = [\"S2\"]\n");
-    assert_eq!(program.call(&["run", "groups", "--overlay", &overlay]).code, 0);
-    let text = fs::read_to_string(custom.join("groups.csv")).expect("a published file");
+    let second = program.folder_of(&program.json(&["run", "groups", "--overlay", &overlay]));
+    assert_ne!(first, second);
+    let text = fs::read_to_string(second.join("groups.csv")).expect("a published file");
     assert!(text.lines().nth(1).is_some_and(|row| row.starts_with("S2,")), "{text}");
-    assert!(!program.path("store/tiny.lock").exists());
-    assert!(!program.path("store/figures/tiny").exists());
+    assert!(!program.checkout("artifacts/tiny.lock").exists());
+    assert!(!program.checkout("artifacts/figures/tiny").exists());
+    assert!(!program.path("store/figures").exists());
     // A named figures folder is obeyed, and a target alone writes no lock either.
     let figures = program.path("elsewhere").display().to_string();
     assert_eq!(program.call(&["run", "groups", "--figures", &figures]).code, 0);
-    assert_eq!(
-        files_in(&program.path("elsewhere")),
-        BTreeSet::from(["groups.csv".to_owned()])
-    );
-    assert!(!program.path("store/tiny.lock").exists());
+    assert_eq!(files_in(&program.path("elsewhere")), files);
+    assert!(!program.checkout("artifacts/tiny.lock").exists());
 }
 
 #[test]
@@ -311,8 +334,8 @@ fn an_overlay_may_add_a_sea_and_a_ship() {
          [ship.tanker_2]\nalpha_1 = 0.02\nalpha_2 = 0.3\ndamping = \"quadratic\"\nbeta_1 = 0.12\nbeta_2 = -0.05\n\
          epsilon_1 = [0.0, 0.001]\nepsilon_2 = 0.003\n",
     );
-    assert_eq!(program.call(&["run", "truth", "--overlay", &overlay]).code, 0);
-    let text = fs::read_to_string(program.path("store/figures/custom/truth.csv")).expect("a published file");
+    let folder = program.folder_of(&program.json(&["run", "truth", "--overlay", &overlay]));
+    let text = fs::read_to_string(folder.join("truth.csv")).expect("a published file");
     let rows: Vec<&str> = text.lines().skip(1).collect();
     assert_eq!(rows.len(), 2, "{text}");
     assert!(rows.iter().all(|row| row.starts_with("tanker_2,North,")), "{text}");

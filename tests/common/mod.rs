@@ -5,16 +5,19 @@ pub(crate) mod program;
 pub(crate) mod records;
 pub(crate) mod toy;
 
+use encounter::engine::checkout::Checkout;
 use encounter::engine::disk::Disk;
 use encounter::engine::error::Error;
 use encounter::engine::event::Event;
 use encounter::engine::gc::{self, Alone, Sweep};
 use encounter::engine::graph::{Graph, NodeCase};
 use encounter::engine::id::{Id, Key};
+use encounter::engine::leftover::Due;
 use encounter::engine::lock::{self, Lock};
 use encounter::engine::params::ParamsFile;
 use encounter::engine::pipeline::Pipeline;
 use encounter::engine::plan::{NodePlan, Plan};
+use encounter::engine::publish::Set;
 use encounter::engine::rebuild::{Against, Rebuilt};
 use encounter::engine::run::Run;
 use encounter::engine::store::Store;
@@ -82,6 +85,9 @@ pub(crate) struct House {
     pub(crate) text: String,
     pub(crate) edits: Vec<String>,
     pub(crate) workers: usize,
+    /// The text of the parameters beside the figures.
+    pub(crate) parameters: Option<String>,
+    pub(crate) may_replace: bool,
 }
 
 /// What a run did.
@@ -114,6 +120,8 @@ impl House {
             text: PARAMS.to_owned(),
             edits: Vec::new(),
             workers: 2,
+            parameters: None,
+            may_replace: true,
         }
     }
 
@@ -221,7 +229,9 @@ impl House {
         let scales = scales.unwrap_or_else(|_| vec![String::new()]);
         let outcome = schedule::execute(&run, self.workers).and_then(|()| {
             let texts = publish::texts(&run, SCALE, &scales)?;
-            publish::publish(&run, &texts, &self.path("figures"))?;
+            let layout = publish::layout(&graph, SCALE, &scales);
+            let due = Due::new(&self.pipeline, &scales).exactly(&run, &layout, &texts, |_| true);
+            self.with_set(|set| publish::publish(&run, &texts, &due, set))?;
             lock = Some(Lock::of(&run, "toy", "rustc of the test", &texts)?);
             Ok(())
         });
@@ -243,6 +253,22 @@ impl House {
             known,
             lock,
         }
+    }
+
+    /// The checkout of this house.
+    pub(crate) fn checkout(&self) -> Checkout {
+        Checkout::at(&self.root)
+    }
+
+    /// The set of figures of this house: its parameters stand beside them if a test gave any.
+    pub(crate) fn with_set<T>(&self, then: impl FnOnce(&Set<'_>) -> T) -> T {
+        then(&Set {
+            checkout: &self.checkout(),
+            folder: &self.path("figures"),
+            home: Some("toy"),
+            parameters: self.parameters.as_deref(),
+            may_replace: self.may_replace,
+        })
     }
 
     /// What `verify --lock` says of a lock, without the store.
@@ -418,6 +444,14 @@ impl Done {
     pub(crate) fn set_aside(&self) -> Vec<String> {
         self.told(|event| match event {
             Event::DidSetAside { path, .. } => Some(path.clone()),
+            _ => None,
+        })
+    }
+
+    /// The published files of earlier runs that this one did not make, each with its fate, sorted.
+    pub(crate) fn old(&self) -> Vec<String> {
+        self.told(|event| match event {
+            Event::DidFindOld { path, fate } => Some(format!("{path} {fate:?}")),
             _ => None,
         })
     }

@@ -1,4 +1,4 @@
-//! The real binary in a temporary store and figures folder.
+//! The real binary in a temporary checkout, with a store beside it.
 
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use tempfile::TempDir;
 
-/// A folder for a store, figures and overlays, and the options that every call gets.
+/// A folder for a checkout, a store, figures and overlays, and the options that every call gets.
 pub(crate) struct Program {
     folder: PathBuf,
     _own: Option<TempDir>,
@@ -33,11 +33,31 @@ impl Program {
 
     /// The same in a folder that is there already.
     pub(crate) fn in_folder(profile: &'static str, folder: &Path) -> Self {
+        make_checkout(&folder.join("checkout"));
         Self {
             folder: folder.to_owned(),
             _own: None,
             profile,
         }
+    }
+
+    /// A path within the checkout.
+    pub(crate) fn checkout(&self, name: &str) -> PathBuf {
+        self.path("checkout").join(name)
+    }
+
+    /// The folder that a run told it published to.
+    #[track_caller]
+    pub(crate) fn folder_of(&self, run: &Value) -> PathBuf {
+        self.checkout(run["folder"].as_str().expect("a run names its folder"))
+    }
+
+    /// The committed lock of this profile, copied into the checkout.
+    pub(crate) fn commit_lock(&self) -> PathBuf {
+        let name = format!("artifacts/{}.lock", self.profile);
+        let (from, to) = (Path::new(env!("CARGO_MANIFEST_DIR")).join(&name), self.checkout(&name));
+        fs::copy(from, &to).expect("the lock is committed");
+        to
     }
 
     pub(crate) fn path(&self, name: &str) -> PathBuf {
@@ -79,7 +99,7 @@ impl Program {
     /// The process of a verb with its arguments, yet to be started.
     pub(crate) fn command(&self, arguments: &[&str]) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_encounter"));
-        command.current_dir(Path::new(env!("CARGO_MANIFEST_DIR")));
+        command.current_dir(self.path("checkout"));
         command.args(arguments).args(["--profile", self.profile, "--store"]);
         command.arg(self.path("store"));
         command
@@ -107,8 +127,22 @@ impl Program {
     }
 
     pub(crate) fn lock_text(&self) -> String {
-        let path = self.path("store").join(format!("{}.lock", self.profile));
-        fs::read_to_string(path).expect("a complete run writes its lock")
+        let path = self.checkout(&format!("artifacts/{}.lock", self.profile));
+        fs::read_to_string(path).expect("a complete run with --update-lock writes its lock")
+    }
+}
+
+/// Makes a checkout without any lock or figure: sources and parameters are links to those of the package.
+fn make_checkout(folder: &Path) {
+    let link = |name: &str| {
+        let (from, to) = (Path::new(env!("CARGO_MANIFEST_DIR")).join(name), folder.join(name));
+        if to.symlink_metadata().is_err() {
+            std::os::unix::fs::symlink(from, to).expect("a link can be made");
+        }
+    };
+    fs::create_dir_all(folder.join("artifacts")).expect("a folder can be made");
+    for name in ["src", "stages", "Cargo.toml", "Cargo.lock"] {
+        link(name);
     }
 }
 

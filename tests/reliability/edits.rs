@@ -25,7 +25,7 @@ fn a_figure_edited_by_hand_is_kept_aside_and_restored() {
         assert_eq!(fs::read(&path).expect("the file is restored"), ours);
     }
     // The same edit twice is one copy.
-    let kept = house.files_in("store/edited");
+    let kept = house.files_in("artifacts/edited");
     let texts: Vec<String> = kept
         .iter()
         .map(|path| fs::read_to_string(path).expect("a copy"))
@@ -36,7 +36,7 @@ fn a_figure_edited_by_hand_is_kept_aside_and_restored() {
     );
     assert!(
         kept.iter()
-            .all(|path| path.starts_with(house.path("store/edited/large")))
+            .all(|path| path.starts_with(house.path("artifacts/edited/large")))
     );
     assert_eq!(house.run().set_aside(), NOTHING);
 }
@@ -52,16 +52,15 @@ fn a_figure_of_an_earlier_run_is_outdated_not_edited() {
 }
 
 #[test]
-fn a_figure_that_the_lock_names_is_ours_in_a_new_store() {
+fn a_figure_that_the_lock_names_is_ours_in_a_new_clone() {
     let mut house = House::new();
     let lock = house.run().locked();
-    fs::remove_dir_all(house.path("store")).expect("the store can be deleted");
-    fs::create_dir(house.path("store")).expect("a folder can be made");
-    fs::write(house.path("store/toy.lock"), lock.text()).expect("a lock can be written");
+    fs::remove_file(house.path("artifacts/published")).expect("the list can be deleted");
+    fs::write(house.path("artifacts/toy.lock"), lock.text()).expect("a lock can be written");
     house.set("pinned.item=4");
     assert_eq!(house.run().set_aside(), NOTHING);
     // Without the lock nobody knows whose the files are.
-    fs::remove_dir_all(house.path("store")).expect("the store can be deleted");
+    fs::remove_dir_all(house.path("artifacts")).expect("the folder can be deleted");
     house.set("pinned.item=5");
     assert_eq!(house.run().set_aside(), ["large/pinned.csv", "pinned.csv"]);
 }
@@ -71,8 +70,7 @@ fn status_and_run_tell_of_an_edited_figure() {
     let program = Program::new("tiny");
     let arguments = [&["truth", "groups"], SMALL.as_slice()].concat();
     let run = [&["run"], arguments.as_slice()].concat();
-    assert_eq!(program.call(&run).code, 0);
-    let file = program.path("store/figures/custom/groups.csv");
+    let file = program.folder_of(&program.json(&run)).join("groups.csv");
     let ours = fs::read(&file).expect("the file is published");
     fs::write(&file, "sea\nmine\n").expect("the file can be edited");
     let states = |program: &Program, more: &[&str]| {
@@ -89,7 +87,8 @@ fn status_and_run_tell_of_an_edited_figure() {
         [state("groups.csv", "edited"), state("truth.csv", "current")]
     );
     // Also where the nodes themselves would run anew.
-    let other = ["--set", "run.seed=5"];
+    let folder = file.parent().expect("a folder").display().to_string();
+    let other = ["--set", "run.seed=5", "--figures", &folder];
     assert_eq!(
         states(&program, &other),
         [state("groups.csv", "edited"), state("truth.csv", "outdated")]
@@ -102,7 +101,7 @@ fn status_and_run_tell_of_an_edited_figure() {
         said.stderr
     );
     assert_eq!(fs::read(&file).expect("the file is restored"), ours);
-    let kept: Vec<_> = fs::read_dir(program.path("store/edited"))
+    let kept: Vec<_> = fs::read_dir(program.checkout("artifacts/edited"))
         .expect("a folder")
         .flatten()
         .collect();

@@ -144,7 +144,7 @@ fn a_run_under_nohup_outlives_its_terminal() {
         .args(["-c", "trap '' HUP; exec \"$0\" \"$@\""])
         .arg(run.get_program())
         .args(run.get_args())
-        .current_dir(env!("CARGO_MANIFEST_DIR"))
+        .current_dir(program.path("checkout"))
         .stdout(Stdio::null())
         .stderr(Stdio::null())
         .spawn()
