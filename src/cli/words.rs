@@ -3,6 +3,7 @@
 use std::borrow::Cow;
 
 use crate::cli::say;
+use crate::engine::key_path::is_printable;
 use crate::engine::plan::Cost;
 
 /// A cost: certain, at most, or more than is known.
@@ -29,14 +30,15 @@ pub(super) fn seconds(seconds: f64) -> String {
     }
 }
 
-/// Text in which no file name or lock can move the reader's cursor: control characters but line ends are spelled out.
+/// Text in which no file name or lock can move the reader's cursor or turn a line round: all characters that do not show as
+/// themselves, line ends excepted, are spelled out.
 pub(super) fn plain(text: &str) -> Cow<'_, str> {
-    let is_control = |c: char| c.is_control() && c != '\n' && c != '\t';
-    if !text.contains(is_control) {
+    let is_hidden = |c: char| !is_printable(c) && c != '\n' && c != '\t';
+    if !text.contains(is_hidden) {
         return Cow::Borrowed(text);
     }
     let spelled = text.chars().map(|c| {
-        if is_control(c) {
+        if is_hidden(c) {
             c.escape_default().to_string()
         } else {
             c.to_string()

@@ -46,6 +46,15 @@ pub trait Stage: 'static {
         Ok(())
     }
 
+    /// Rules between parameters and the counts of the engine, which `count` gives by their keys: what a stage that gathers
+    /// many pieces holds in memory. Counts are in no key, so nothing here may shape the output.
+    ///
+    /// # Errors
+    /// The first rule that does not hold, worded as by [`Stage::check`].
+    fn check_counts(_params: &Self::Params, _count: &dyn Fn(&str) -> u64) -> std::result::Result<(), String> {
+        Ok(())
+    }
+
     /// Makes the output of one piece; a pure function.
     ///
     /// # Errors

@@ -7,6 +7,7 @@ mod graph;
 mod ranges;
 mod refusals;
 mod robust;
+mod threads;
 mod timing;
 pub(crate) mod verbs;
 mod verify;
