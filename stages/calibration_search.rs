@@ -12,6 +12,7 @@ use crate::engine::arrow::{CaseOf, Cases};
 use crate::engine::case::Axis;
 use crate::engine::error::{Error, Result};
 use crate::engine::stage::{Here, Pieces, Select, Stage};
+use crate::numerics::domain::at_most;
 use crate::sea::wave_field::Record;
 use crate::ship::initial_condition::{Estimate, Nic};
 use crate::ship::response::Truth;
@@ -21,6 +22,9 @@ use crate::stages::calibration_fields::CalibrationFields;
 
 /// Differential evolution over ln ratios to the printed coefficients.
 pub struct CalibrationSearch;
+
+/// The phases of all fields of a study together, bytes.
+const MOST_BYTES: u64 = 1 << 31;
 
 /// Parameters of the search.
 #[derive(Serialize, Deserialize)]
@@ -75,6 +79,10 @@ impl Stage for CalibrationSearch {
         p.check()
     }
 
+    fn check_counts(p: &Params, count: &dyn Fn(&str) -> u64) -> std::result::Result<(), String> {
+        p.check_counts(count("calibration.fields"))
+    }
+
     fn run(p: &Params, (seas,): (Vec<CaseOf<'_, Fields>>,), here: Here<'_>) -> Result<Found> {
         let search = p.calibration.search(here.first);
         let study = p.study(&seas)?;
@@ -96,6 +104,17 @@ impl Params {
         self.ship.check().map_err(|why| format!("ship.{why}"))?;
         self.truth.check().map_err(|why| format!("truth.{why}"))?;
         self.calibration.check().map_err(|why| format!("calibration.{why}"))
+    }
+
+    /// All fields of all seas are held at once.
+    ///
+    /// # Errors
+    /// `calibration.fields: expected .., found ..`.
+    pub fn check_counts(&self, fields: u64) -> std::result::Result<(), String> {
+        let bytes = u64::from(self.record.modes) * size_of::<f64>() as u64;
+        let seas = (self.table1.paper.len() as u64).max(1);
+        let since = format!("the {bytes} bytes of each of them, in {seas} seas, are held in memory at once");
+        at_most("calibration.fields", fields, MOST_BYTES / (seas * bytes), &since)
     }
 
     /// The study on the fields of the seas that Table 1 names.

@@ -58,6 +58,9 @@ const LARGEST: f64 = 1e6;
 /// Most summands of the density: minutes.
 const MOST_SUMMANDS: u64 = 200_000_000_000;
 
+/// Longest record, T_p: some 70 million groups, 1 GB of lengths and amplitudes.
+const LONGEST_RECORD: u64 = 200_000_000;
+
 impl Stage for GroupStatistics {
     const NAME: &'static str = "group_statistics";
     const PAPER: &'static str = "§2";
@@ -92,6 +95,12 @@ impl Stage for GroupStatistics {
         let since = format!("each is added at up to {points} points");
         at_most("density.groups", u64::from(density.groups), MOST_SUMMANDS / points, &since)?;
         Ok(())
+    }
+
+    fn check_counts(p: &Params, count: &dyn Fn(&str) -> u64) -> std::result::Result<(), String> {
+        let periods = u64::from(p.record.periods_per_field);
+        let since = format!("the sizes of all groups of so many times {periods} T_p are held in memory at once");
+        at_most("record.fields", count("record.fields"), LONGEST_RECORD / periods, &since)
     }
 
     fn check_output(p: &Params, _: Range<u64>, output: &Statistics) -> std::result::Result<(), String> {

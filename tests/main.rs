@@ -15,6 +15,7 @@ mod tokens;
 
 mod architecture;
 mod ask_tell;
+mod bounds;
 mod cache;
 mod cli;
 mod common;

@@ -49,7 +49,7 @@ pub trait Node: Sync {
     fn arrows(&self) -> Vec<(Kind, &'static dyn Node)>;
     fn tables(&self) -> &'static [&'static str];
     fn decode_params(&self, view: toml::Table) -> std::result::Result<Decoded, Fault>;
-    fn check_params(&self, decoded: &Decoded) -> std::result::Result<(), Fault>;
+    fn check_params(&self, decoded: &Decoded, count: &dyn Fn(&str) -> u64) -> std::result::Result<(), Fault>;
     fn resolution(&self, decoded: &Decoded) -> std::result::Result<Vec<Fault>, Fault>;
     fn run(&self, params: &(dyn Any + Send + Sync), reader: &Reader<'_>, here: Here<'_>) -> Result<Vec<u8>>;
     fn decode(&self, bytes: &[u8]) -> Result<Value>;
@@ -137,10 +137,11 @@ impl<S: Stage> Node for Of<S> {
         })
     }
 
-    fn check_params(&self, decoded: &Decoded) -> std::result::Result<(), Fault> {
+    fn check_params(&self, decoded: &Decoded, count: &dyn Fn(&str) -> u64) -> std::result::Result<(), Fault> {
         let value = decoded.value.downcast_ref::<S::Params>();
         let value = value.expect("a node is handed its own parameters");
-        S::check(value).map_err(|text| fault(&text))
+        let checked = S::check(value).and_then(|()| S::check_counts(value, count));
+        checked.map_err(|text| fault(&text))
     }
 
     fn resolution(&self, decoded: &Decoded) -> std::result::Result<Vec<Fault>, Fault> {

@@ -183,7 +183,9 @@ impl Pipeline {
     pub(crate) fn check_rules(&self, params: &ParamsFile, checked: &[Checked], places: &BTreeSet<usize>) -> Result<()> {
         for Checked { place, case, decoded } in checked.iter().filter(|checked| places.contains(&checked.place)) {
             let node = self.contents[*place];
-            node.check_params(decoded)
+            // Every count has been checked by itself.
+            let count = |key: &str| params.count(key).unwrap_or(u64::MAX);
+            node.check_params(decoded, &count)
                 .map_err(|fault| params.fault(&fault, self.axes, case, &rows_of(node)))?;
         }
         places

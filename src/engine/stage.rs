@@ -48,6 +48,15 @@ pub trait Stage: 'static {
         Ok(())
     }
 
+    /// Rules between parameters and the counts of the engine, which `count` gives by their keys: what a stage that gathers
+    /// many pieces holds in memory. Counts are in no key, so nothing here may shape the output.
+    ///
+    /// # Errors
+    /// The first rule that does not hold, worded as by [`Stage::check`].
+    fn check_counts(_params: &Self::Params, _count: &dyn Fn(&str) -> u64) -> std::result::Result<(), String> {
+        Ok(())
+    }
+
     /// What the grids and steps of a case resolve; asked of every case of a run, since a step that suits one ship or sea
     /// need not suit another. Gives warnings; a warning and an error both read as in [`Stage::check`].
     ///

@@ -9,6 +9,7 @@ mod locks;
 mod ranges;
 mod refusals;
 mod robust;
+mod threads;
 mod timing;
 pub(crate) mod verbs;
 mod verify;

@@ -6,6 +6,7 @@ mod convergence;
 mod density;
 mod design;
 mod detection;
+mod detection_counts;
 mod detection_twin;
 mod elementary;
 mod encounter;
