@@ -261,12 +261,7 @@ impl<'g> Run<'g> {
             Some(bytes) => bytes,
             None => Arc::from(self.bytes(node, piece)?),
         };
-        let it = &self.graph.nodes[node];
-        let (first, items) = it.pieces[piece];
-        let value = it.node.decode(&bytes)?;
-        // The right hash says that the bytes are those that the store was given, not that a stage made them.
-        it.node
-            .check_value(it.decoded.value.as_ref(), first..first + items, &value)?;
+        let value = self.graph.nodes[node].decode(piece, &bytes)?;
         self.memo.put_value(id, value.clone(), bytes.len());
         Ok(value)
     }

@@ -6,6 +6,7 @@ mod exits;
 mod graph;
 mod ranges;
 mod refusals;
+mod resolution;
 mod robust;
 mod timing;
 pub(crate) mod verbs;

@@ -58,7 +58,9 @@ fn states(status: &Value) -> BTreeSet<(String, String)> {
 fn a_whole_run_is_told_shown_verified_and_repaired() {
     let program = Program::new("tiny");
     let before = program.json(&["status"]);
-    let expected = ["cost", "figures", "files", "format", "nodes", "profile", "stale", "warnings"];
+    let expected = [
+        "cost", "figures", "files", "format", "nodes", "profile", "stale", "warnings",
+    ];
     assert_eq!(keys(&before), expected);
     assert_eq!(before["profile"], "tiny");
     let node_keys = [
@@ -95,7 +97,9 @@ fn a_whole_run_is_told_shown_verified_and_repaired() {
     let run = program.json(&["run"]);
     assert_eq!(
         keys(&run),
-        ["failed", "files", "format", "healed", "ran", "reused", "seconds", "warnings"]
+        [
+            "failed", "files", "format", "healed", "ran", "reused", "seconds", "warnings"
+        ]
     );
     let ran = run["ran"].as_array().expect("a list");
     assert_eq!(ran.len() as u64, sum(&before, "pieces"));
