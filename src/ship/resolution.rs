@@ -300,6 +300,20 @@ fn forgetting(ship: &Ship, grid: &Grid) -> Vec<String> {
     warnings
 }
 
+/// Whether the modes resolve the resonance of a linear oscillator whose damping is alpha (1/s): between two of them its
+/// response would depend on where they happen to lie.
+pub fn of_oscillator(alpha: f64, delta_omega: f64) -> Option<String> {
+    (alpha < delta_omega).then(|| {
+        let periods = short(delta_omega / alpha);
+        format!(
+            "record.periods_per_field: expected at least {periods} times as many: the oscillator's resonance is {} rad/s wide \
+             (`ship.alpha_1`, `ship.alpha_2`), the modes lie {} rad/s apart",
+            short(alpha),
+            short(delta_omega)
+        )
+    })
+}
+
 /// The fastest rate and where it comes from.
 fn told(ship: &Ship, rate: f64) -> String {
     let damping = if ship.damping == Damping::Cubic {

@@ -6,7 +6,7 @@ use encounter::numerics::rk4;
 use encounter::sea::resolution::{of_detection, of_modes};
 use encounter::sea::wave_field::Record;
 use encounter::ship::continuous_roll::{Timing, continuous_record};
-use encounter::ship::resolution::{ACCURATE, Grid, STABLE, check, warnings};
+use encounter::ship::resolution::{ACCURATE, Grid, STABLE, check, of_oscillator, warnings};
 use encounter::ship::roll_equation::{Damping, Ship};
 use encounter::ship::simulation::Simulation;
 use num_complex::Complex;
@@ -207,6 +207,17 @@ fn a_ship_that_does_not_forget_is_told_of() {
     assert!(
         told.len() == 1 && told[0].contains("record.lead_in: expected at least 359 s, found 100"),
         "{told:?}"
+    );
+}
+
+#[test]
+fn an_oscillator_narrower_than_the_modes_lie_apart_is_told_of() {
+    let delta_omega = TAU / T_P / 256.0;
+    assert_eq!(of_oscillator(0.01, delta_omega), None);
+    let told = of_oscillator(0.5 * delta_omega, delta_omega).expect("half a spacing");
+    assert!(
+        told.starts_with("record.periods_per_field: expected at least 2 times"),
+        "{told}"
     );
 }
 
