@@ -1,6 +1,7 @@
 //! Calibration study, §3: the best of the searches, polished by least squares, rounded, and rolled on fields that none of
 //! them has seen; with CIC, PIC, NIC, capsizes and the scatter about (L, A). One piece is one candidate.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use crate::calibration::bench::Fields;
@@ -31,6 +32,14 @@ impl Stage for CalibrationCheck {
     type Params = Params;
     type Inputs = (All<CalibrationSearch>, Cases<CalibrationFields>);
     type Output = Option<Checked>;
+
+    fn resolution(p: &Params) -> std::result::Result<Vec<String>, String> {
+        p.resolution()
+    }
+
+    fn check_output(p: &Params, _: Range<u64>, output: &Option<Checked>) -> std::result::Result<(), String> {
+        output.as_ref().map_or(Ok(()), |checked| checked.check(p.epsilons()))
+    }
 
     fn run(
         p: &Params,

@@ -1,5 +1,7 @@
 //! Calibration study, §3: fields and groups of its own in every sea, so that it needs no long record.
 
+use std::ops::Range;
+
 use serde::{Deserialize, Serialize};
 
 use crate::calibration::bench::Fields;
@@ -62,6 +64,15 @@ impl Stage for CalibrationFields {
         let of_groups = resolution::of_detection(p.sea.bandwidth, spacing, &p.detection);
         let of_modes = resolution::of_modes(&p.sea, &p.record);
         Ok(of_modes.into_iter().chain(of_groups).collect())
+    }
+
+    fn check_output(p: &Params, items: Range<u64>, output: &Fields) -> std::result::Result<(), String> {
+        let fields = (items.end - items.start) as usize;
+        output.waves.check(&p.sea, &p.record, fields)?;
+        let t_p = p.sea.peak_period;
+        let longest = p.detection.longest * t_p / f64::from(p.record.envelope_samples_per_period);
+        let mut lists = output.groups.iter();
+        lists.try_for_each(|groups| groups.check(fields, p.record.field_period(t_p), longest))
     }
 
     fn run(p: &Params, (): (), here: Here<'_>) -> Result<Fields> {

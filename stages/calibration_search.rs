@@ -1,9 +1,13 @@
 //! Calibration study, §3: searches for coefficients that give Table 1's P_true and Figure 3's ranking, as near to the printed
 //! ones as may be. One piece is one search: a subset of coefficients, or another reading of the paper.
 
+use std::collections::BTreeMap;
+use std::ops::Range;
+
 use serde::{Deserialize, Serialize};
 
 use crate::calibration::bench::{Bench, Fields, Sea};
+use crate::calibration::candidate::{Candidate, Reading, corners};
 use crate::calibration::choice::Found;
 use crate::calibration::methods::Layout;
 use crate::calibration::settings::{Settings, Target};
@@ -15,10 +19,12 @@ use crate::engine::stage::{Here, Pieces, Select, Stage};
 use crate::numerics::domain::at_most;
 use crate::sea::wave_field::Record;
 use crate::ship::initial_condition::{Estimate, Nic};
+use crate::ship::resolution;
 use crate::ship::response::Truth;
 use crate::ship::roll_equation::Ship;
 use crate::stages::axes::{SEA, SHIP};
 use crate::stages::calibration_fields::CalibrationFields;
+use crate::stages::resolution::{Waves, of_roll, of_states};
 
 /// Differential evolution over ln ratios to the printed coefficients.
 pub struct CalibrationSearch;
@@ -30,6 +36,8 @@ const MOST_BYTES: u64 = 1 << 31;
 #[derive(Serialize, Deserialize)]
 pub struct Params {
     ship: Ship,
+    /// The seas of the run, by name.
+    sea: BTreeMap<String, Waves>,
     record: Record,
     truth: Truth,
     detection: Longest,
@@ -83,6 +91,14 @@ impl Stage for CalibrationSearch {
         p.check_counts(count("calibration.fields"))
     }
 
+    fn resolution(p: &Params) -> std::result::Result<Vec<String>, String> {
+        p.resolution()
+    }
+
+    fn check_output(p: &Params, items: Range<u64>, output: &Found) -> std::result::Result<(), String> {
+        output.check(&p.calibration.search(items.start))
+    }
+
     fn run(p: &Params, (seas,): (Vec<CaseOf<'_, Fields>>,), here: Here<'_>) -> Result<Found> {
         let search = p.calibration.search(here.first);
         let study = p.study(&seas)?;
@@ -115,6 +131,51 @@ impl Params {
         let seas = (self.table1.paper.len() as u64).max(1);
         let since = format!("the {bytes} bytes of each of them, in {seas} seas, are held in memory at once");
         at_most("calibration.fields", fields, MOST_BYTES / (seas * bytes), &since)
+    }
+
+    /// What the step resolves of every ship that a search may try, in every sea.
+    ///
+    /// # Errors
+    /// A step at which the integration of a candidate is unstable, or seas that share no peak period.
+    pub fn resolution(&self) -> std::result::Result<Vec<String>, String> {
+        of_states(&self.record)?;
+        let known = self.calibration.known.iter();
+        let known = known.map(|it| Candidate::of_values(&it.values, &self.ship, Reading::Plain).ship(&self.ship));
+        let known: Vec<Ship> = std::iter::once(self.ship.clone()).chain(known).collect();
+        let corners = corners(&self.calibration.bounds, &self.ship);
+        let mut warnings = Vec::new();
+        let first = self.sea.values().next();
+        for (name, waves) in &self.sea {
+            let t_p = first.map_or(waves.peak_period, |first| first.peak_period);
+            if waves.peak_period != t_p {
+                let found = waves.peak_period;
+                return Err(format!(
+                    "sea.{name}.peak_period: expected {t_p}, since the seas of a calibration share one table of single \
+                     encounters, found {found}"
+                ));
+            }
+            let grid = waves.grid(&self.record);
+            for ship in &corners {
+                let stable = resolution::check(ship, self.truth.capsize_angle, &grid);
+                // The coefficients are those of a candidate, not the ship's own.
+                let candidate = |why: String| why.replace("`ship.", "`");
+                stable.map_err(|why| {
+                    format!(
+                        "{}; a search may try such a ship (`calibration.bounds`)",
+                        candidate(why)
+                    )
+                })?;
+            }
+            for ship in &known {
+                warnings.extend(of_roll(ship, &self.truth, &grid)?);
+            }
+        }
+        Ok(warnings)
+    }
+
+    /// The list of epsilon_1 of every candidate has this length.
+    pub fn epsilons(&self) -> usize {
+        self.ship.epsilon_1.len()
     }
 
     /// The study on the fields of the seas that Table 1 names.

@@ -8,7 +8,7 @@ use crate::engine::arrow::{All, PiecesOf};
 use crate::engine::error::Result;
 use crate::engine::stage::{Here, Stage};
 use crate::numerics::sums::mean;
-use crate::ship::exceedance::{METHODS, Counts, Curve, Exceedances, Probabilities, Thresholds};
+use crate::ship::exceedance::{Counts, Curve, Exceedances, METHODS, Probabilities, Thresholds};
 use crate::ship::response::{Truths, temporal_levels};
 use crate::ship::sample::SampledResponses;
 use crate::stages::cic::Cic;

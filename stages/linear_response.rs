@@ -15,11 +15,13 @@ use crate::numerics::fourier::{Synthesis, WIDTH};
 use crate::sea::wave_field::{Record, WaveFields};
 use crate::sea::wave_group::{Groups, Sample};
 use crate::ship::linear_response::{LinearResponses, Oscillator, geometric_means, largest_about};
+use crate::ship::resolution::of_oscillator;
 use crate::ship::response::Truth;
 use crate::ship::roll_equation::Ship;
 use crate::stages::axes::SEA;
 use crate::stages::group_detection::GroupDetection;
 use crate::stages::group_sample::GroupSample;
+use crate::stages::resolution::Waves;
 use crate::stages::wave_synthesis::WaveSynthesis;
 
 /// The largest roll of the oscillators in the original waves, their geometric mean group by group.
@@ -35,6 +37,7 @@ const MOST_AMPLITUDES: u64 = 32;
 #[derive(Serialize, Deserialize)]
 pub struct Params {
     ship: Ship,
+    sea: Waves,
     record: Record,
     truth: Truth,
     vhgp_seq: Row,
@@ -54,6 +57,17 @@ pub struct Row {
 pub struct Settings {
     /// Amplitudes of the harmonic balance, in theta_t.
     amplitudes: Vec<f64>,
+}
+
+impl Params {
+    /// The ship balanced at every amplitude and the frequency `omega` (rad/s); none without a row of Table 1.
+    fn oscillators(&self, omega: f64) -> Vec<Oscillator> {
+        let rows = self.vhgp_seq.case.iter().take(1);
+        let amplitudes = rows.flat_map(|row| self.linear_response.amplitudes.iter().map(move |a| a * row.theta_t));
+        amplitudes
+            .map(|theta_a| Oscillator::balanced(&self.ship, theta_a, omega))
+            .collect()
+    }
 }
 
 impl Stage for LinearResponse {
@@ -80,6 +94,15 @@ impl Stage for LinearResponse {
         ))
     }
 
+    fn resolution(p: &Params) -> std::result::Result<Vec<String>, String> {
+        let omega_p = TAU / p.sea.peak_period;
+        let delta_omega = omega_p / f64::from(p.record.periods_per_field);
+        let oscillators = p.oscillators(omega_p);
+        // The one that is damped least has the narrowest resonance.
+        let least = oscillators.iter().map(|own| own.alpha).fold(f64::INFINITY, f64::min);
+        Ok(of_oscillator(least, delta_omega).into_iter().collect())
+    }
+
     fn check_output(_: &Params, _: Range<u64>, output: &LinearResponses) -> std::result::Result<(), String> {
         output.check()
     }
@@ -90,10 +113,10 @@ impl Stage for LinearResponse {
         here: Here<'_>,
     ) -> Result<LinearResponses> {
         let places = sample.of(here.first, &groups).map_err(Error::stage)?;
-        let row = p.vhgp_seq.case.first();
-        let row = row.ok_or_else(|| Error::stage("no row of vhgp_seq.case names this sea"))?;
-        let balanced = |a: &f64| Oscillator::balanced(&p.ship, a * row.theta_t, TAU / waves.t_p);
-        let oscillators: Vec<Oscillator> = p.linear_response.amplitudes.iter().map(balanced).collect();
+        if p.vhgp_seq.case.is_empty() {
+            return Err(Error::stage("no row of vhgp_seq.case names this sea"));
+        }
+        let oscillators = p.oscillators(TAU / waves.t_p);
         let samples = p.record.envelope_samples();
         let spacing = p.record.field_period(waves.t_p) / samples as f64;
         let mut synthesis = Synthesis::new(waves.amplitude.len(), samples);

@@ -54,7 +54,11 @@ impl Stage for Nic {
     }
 
     fn check_output(p: &Params, items: Range<u64>, output: &SampledResponses) -> std::result::Result<(), String> {
-        output.check(&p.ship.epsilon_1, (items.end - items.start) as usize, p.truth.capsize_angle)
+        output.check(
+            &p.ship.epsilon_1,
+            (items.end - items.start) as usize,
+            p.truth.capsize_angle,
+        )
     }
 
     fn check(p: &Params) -> std::result::Result<(), String> {

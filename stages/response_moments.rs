@@ -105,7 +105,10 @@ impl Stage for ResponseMoments {
         invariant::length("points", output, groups.len() * epsilon_1.len() * METHODS.len())?;
         for (i, point) in output.iter().enumerate() {
             let place = |key: &str| format!("points[{i}].{key}");
-            let (bin, e) = (i / (epsilon_1.len() * METHODS.len()), i / METHODS.len() % epsilon_1.len());
+            let (bin, e) = (
+                i / (epsilon_1.len() * METHODS.len()),
+                i / METHODS.len() % epsilon_1.len(),
+            );
             invariant::equal(&place("method"), point.method.as_str(), METHODS[i % METHODS.len()])?;
             invariant::equal(&place("epsilon_1"), &point.epsilon_1, &epsilon_1[e])?;
             invariant::equal(&place("group"), &point.group, &groups[bin])?;
@@ -180,8 +183,12 @@ fn truth_in_bins(
                 if response.dropped {
                     continue;
                 }
-                invariant::length("r of ground_truth, for the groups of group_detection", &response.r, groups.len())
-                    .map_err(Error::stage)?;
+                invariant::length(
+                    "r of ground_truth, for the groups of group_detection",
+                    &response.r,
+                    groups.len(),
+                )
+                .map_err(Error::stage)?;
                 for (group, r) in groups.iter().zip(&response.r) {
                     p.bins(group.l, group.a).for_each(|bin| found[bin].push(*r));
                 }

@@ -10,12 +10,15 @@
 //! Tested in `tests/physics/calibration.rs`.
 
 use crate::numerics::elementary::{exp, ln};
+use crate::numerics::invariant;
 use crate::ship::response::{Capsize, Roll, Truth};
 use crate::ship::roll_equation::{Damping, Ship};
 use serde::{Deserialize, Serialize};
 
 /// The coefficients, in the order of every array over them.
 pub const NAMES: [&str; 6] = ["alpha_1", "alpha_2", "beta_1", "beta_2", "epsilon_1", "epsilon_2"];
+/// Largest |ln ratio| of a coefficient: e^100 times the printed one is none.
+const LARGEST: f64 = 100.0;
 /// Place of beta_2 in that order.
 const BETA_2: usize = 3;
 /// Place of epsilon_1 in that order.
@@ -159,6 +162,14 @@ impl Candidate {
         }
     }
 
+    /// Checks that no ratio is beyond what a coefficient may be.
+    ///
+    /// # Errors
+    /// The first that is.
+    pub fn check(&self) -> Result<(), String> {
+        invariant::all_within("x", &self.x, &(-LARGEST..=LARGEST))
+    }
+
     /// Which of the two lists of groups it meets.
     pub fn group_list(&self) -> usize {
         usize::from(self.reading == Reading::OtherSimilarity)
@@ -173,6 +184,39 @@ impl Candidate {
     pub fn size(&self) -> f64 {
         self.x.iter().fold(0.0, |sum, x| sum + x.abs())
     }
+}
+
+/// The ships at the corners of what a search may try: magnitudes at either bound, or as printed where that lies outside
+/// them, with the damping and the sign of beta_2 of every reading.
+pub fn corners(bounds: &[[f64; 2]; 6], printed: &Ship) -> Vec<Ship> {
+    let own = magnitudes(printed);
+    let range = |i: usize, high: bool| {
+        let bound = bounds[i][usize::from(high)];
+        if high == (own[i] > bound) { own[i] } else { bound }
+    };
+    let mut ships = Vec::new();
+    for corner in 0..1_u32 << NAMES.len() {
+        let values: [f64; 6] = std::array::from_fn(|i| range(i, corner >> i & 1 == 1));
+        let [alpha_1, alpha_2, beta_1, beta_2, epsilon_1, epsilon_2] = values;
+        for damping in [printed.damping, Damping::Quadratic] {
+            for beta_2 in [beta_2, -beta_2] {
+                ships.push(Ship {
+                    alpha_1,
+                    alpha_2,
+                    damping,
+                    beta_1,
+                    beta_2,
+                    epsilon_1: printed
+                        .epsilon_1
+                        .iter()
+                        .map(|e| e / own[EPSILON_1] * epsilon_1)
+                        .collect(),
+                    epsilon_2,
+                });
+            }
+        }
+    }
+    ships
 }
 
 /// Magnitudes of a ship's coefficients, epsilon_1 that of Table 1.

@@ -6,6 +6,7 @@
 use crate::calibration::candidate::{Candidate, NAMES, Reading};
 use crate::calibration::methods::Methods;
 use crate::calibration::settings::{Search, Settings, Target};
+use crate::numerics::invariant;
 use crate::ship::roll_equation::Ship;
 use serde::{Deserialize, Serialize};
 
@@ -67,6 +68,55 @@ pub struct Checked {
     pub fields: u64,
     /// Every sea.
     pub seas: Vec<InSea>,
+}
+
+impl Trial {
+    fn check(&self) -> Result<(), String> {
+        self.candidate.check().map_err(|why| format!("candidate.{why}"))?;
+        let numbers = [self.misfit, self.ranking, self.cost];
+        invariant::all_within("misfit, ranking, cost", &numbers, &(0.0..=f64::MAX))
+    }
+}
+
+impl Found {
+    /// Checks that it is what a search found: its own coefficients, and trials of candidates.
+    ///
+    /// # Errors
+    /// The first thing that is not so.
+    pub fn check(&self, search: &Search) -> Result<(), String> {
+        invariant::equal("search", &self.search, search)?;
+        self.best.check().map_err(|why| format!("best.{why}"))?;
+        let mut accepted = self.accepted.iter().enumerate();
+        accepted.try_for_each(|(i, trial)| trial.check().map_err(|why| format!("accepted[{i}].{why}")))
+    }
+}
+
+impl Checked {
+    /// Checks that every sea has the probabilities of so many epsilon_1 by every method.
+    ///
+    /// # Errors
+    /// The first that is missing, or none.
+    pub fn check(&self, epsilons: usize) -> Result<(), String> {
+        self.candidate.check().map_err(|why| format!("candidate.{why}"))?;
+        invariant::within("misfit", self.misfit, 0.0..=f64::MAX)?;
+        for (i, sea) in self.seas.iter().enumerate() {
+            let place = |key: &str| format!("seas[{i}].{key}");
+            let lists = [
+                ("p_true", &sea.p_true),
+                ("methods.cic", &sea.methods.cic),
+                ("methods.pic", &sea.methods.pic),
+                ("methods.nic", &sea.methods.nic),
+            ];
+            for (key, list) in lists {
+                invariant::length(&place(key), list, epsilons)?;
+                invariant::all_within(&place(key), list, &(0.0..=1.0))?;
+            }
+            invariant::within(&place("standard_error"), sea.standard_error, 0.0..=1.0)?;
+            invariant::within(&place("capsizes_per_field"), sea.capsizes_per_field, 0.0..=f64::MAX)?;
+            invariant::within(&place("spread"), sea.spread.unwrap_or_default(), 0.0..=f64::MAX)?;
+        }
+        Ok(())
+    }
 }
 
 /// A candidate to be checked.

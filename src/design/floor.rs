@@ -23,7 +23,7 @@ use serde::{Deserialize, Serialize};
 const LEAST_VARIANCE: f64 = 1e-6;
 
 /// No relative deviation of one sample is larger.
-const LARGEST_DEVIATION: f64 = 1e9;
+const LARGEST_DEVIATION: f64 = 1e15;
 
 /// Standard deviations relative to P of the estimate from one sample; divide by √n.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

@@ -129,8 +129,16 @@ impl Realisation {
         invariant::length("y", &self.y, self.points.len())?;
         let most = self.points.len().min(total as usize) as u32;
         let reached = self.n_samples.last().is_none_or(|n| *n <= most);
-        invariant::holds("n_samples", reached, &format!("numbers up to {most}, the samples there are"))?;
-        invariant::holds("points", self.points.len() <= total as usize, &format!("at most {total} samples"))
+        invariant::holds(
+            "n_samples",
+            reached,
+            &format!("numbers up to {most}, the samples there are"),
+        )?;
+        invariant::holds(
+            "points",
+            self.points.len() <= total as usize,
+            &format!("at most {total} samples"),
+        )
     }
 }
 

@@ -9,7 +9,7 @@ use crate::engine::decode::Fault;
 use crate::engine::error::{Error, Result};
 use crate::engine::key_path::KeyPath;
 use crate::engine::nearest::nearest;
-use crate::engine::node::{Decoded, Node};
+use crate::engine::node::{Decoded, Node, Value};
 use crate::engine::params::ParamsFile;
 use crate::engine::pipeline::{Checked, Pipeline, rows_of};
 use crate::engine::stage::{Pieces, Select};
@@ -67,6 +67,20 @@ impl NodeCase {
     /// The parameters it reads.
     pub fn params_json(&self) -> serde_json::Value {
         self.node.params_json(self.decoded.value.as_ref())
+    }
+
+    /// Decodes an output of a piece and checks it: the way from the store into a stage.
+    ///
+    /// The right hash says that the bytes are those that the store was given, not that the stage made them.
+    ///
+    /// # Errors
+    /// Bytes of another type, or an output that breaks a rule of its stage.
+    pub fn decode(&self, piece: usize, bytes: &[u8]) -> Result<Value> {
+        let (first, items) = self.pieces[piece];
+        let value = self.node.decode(bytes)?;
+        let params = self.decoded.value.as_ref();
+        self.node.check_value(params, first..first + items, &value)?;
+        Ok(value)
     }
 
     /// `STAGE/CASE/PIECE`.

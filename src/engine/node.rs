@@ -21,7 +21,7 @@ use crate::engine::stage::{Here, Keep, Pieces, Published, Select, Stage};
 use crate::engine::tree::{Tree, tree};
 
 /// A decoded artifact.
-pub(crate) type Value = Arc<dyn Any + Send + Sync>;
+pub type Value = Arc<dyn Any + Send + Sync>;
 
 /// The parameters of one node, decoded.
 pub struct Decoded {
@@ -160,15 +160,20 @@ impl<S: Stage> Node for Of<S> {
         let items = here.first..here.first + here.items;
         let output = S::run(params, S::Inputs::open(reader)?, here)?;
         finite::check(&output)?;
-        S::check_output(params, items, &output)
-            .map_err(|why| Error::stage(format!("its output breaks a rule of its own: {why}; nothing was stored")))?;
+        S::check_output(params, items, &output).map_err(|why| {
+            Error::stage(format!(
+                "its output breaks a rule of its own: {why}; nothing was stored"
+            ))
+        })?;
         codec::encode(&output)
     }
 
     fn decode(&self, bytes: &[u8]) -> Result<Value> {
         let output = codec::decode::<S::Output>(bytes)?;
         if let Some((path, number)) = finite::first_refused(&output)? {
-            return Err(damaged::<S>(format!("{path}: expected a finite number, found {number:?}")));
+            return Err(damaged::<S>(format!(
+                "{path}: expected a finite number, found {number:?}"
+            )));
         }
         Ok(Arc::new(output))
     }

@@ -37,7 +37,9 @@ pub fn within(place: &str, value: f64, range: RangeInclusive<f64>) -> Result<(),
         return Ok(());
     }
     let (low, high) = (range.start(), range.end());
-    Err(format!("{place}: expected a number from {low} to {high}, found {value}"))
+    Err(format!(
+        "{place}: expected a number from {low} to {high}, found {value}"
+    ))
 }
 
 /// All numbers of a list lie in a range.
@@ -77,7 +79,9 @@ pub fn positive(place: &str, value: f64) -> Result<(), String> {
 pub fn ascending<T: PartialOrd + Display>(place: &str, list: &[T]) -> Result<(), String> {
     let mut pairs = list.windows(2);
     match pairs.find(|pair| !matches!(pair, [low, high] if low < high)) {
-        Some([low, high]) => Err(format!("{place}: expected ascending numbers, found {low} before {high}")),
+        Some([low, high]) => Err(format!(
+            "{place}: expected ascending numbers, found {low} before {high}"
+        )),
         _ => Ok(()),
     }
 }

@@ -9,6 +9,7 @@
 //! Nothing here is unstable, so all of it warns. A field holds T_f/L = 9 K/delta_omega lengths of a group. The groups of S1
 //! are 33 s long, 0.67/K, those of S2 23 s, 0.70/K. Tested in `tests/physics/resolution.rs`.
 
+use crate::numerics::fourier::LONGEST;
 use crate::sea::detection::Detection;
 use crate::sea::spectrum::{Form, Sea};
 use crate::sea::wave_field::Record;
@@ -35,19 +36,25 @@ pub fn of_modes(sea: &Sea, record: &Record) -> Vec<String> {
         }
         let (found, spacings) = (record.periods_per_field, short(spacings));
         warnings.push(format!(
-            "record.periods_per_field: expected at least {enough}, found {found}: the spectrum is {spacings} spacings of the \
+            "record.periods_per_field: expected at least {enough}, found {found}: `sea.spectrum` is {spacings} spacings of the \
              modes wide, so few modes make all the waves of a field and its crests are too low"
         ));
     }
     let outside = outside(sea, record.modes, delta_omega);
     if outside > OUTSIDE {
-        let share = short(100.0 * outside);
+        let doubled = std::iter::successors(Some(record.modes), |modes| modes.checked_mul(2));
+        let enough = doubled
+            .take_while(|modes| *modes as usize <= LONGEST)
+            .find(|modes| self::outside(sea, *modes, delta_omega) <= OUTSIDE);
+        let expected = enough.map_or_else(
+            || "a spectrum that modes can hold".to_owned(),
+            |modes| format!("at least {modes}"),
+        );
+        let (found, share) = (record.modes, short(100.0 * outside));
+        let up_to = short(f64::from(found) * delta_omega);
         warnings.push(format!(
-            "record.modes: expected modes that hold {} % of the spectrum, found {} up to {} rad/s: {share} % of the variance \
-             lies outside them and is shared out within",
-            100.0 * (1.0 - OUTSIDE),
-            record.modes,
-            short(f64::from(record.modes) * delta_omega),
+            "record.modes: expected {expected}, found {found}, up to {up_to} rad/s: {share} % of the variance of \
+             `sea.spectrum` lies outside them and is shared out within"
         ));
     }
     warnings

@@ -83,7 +83,9 @@ impl Sample {
         fields.try_for_each(|(field, places)| invariant::ascending(&format!("fields[{field}]"), places))?;
         let found = self.fields.iter().map(Vec::len).sum::<usize>();
         if found > samples as usize {
-            return Err(format!("fields: expected at most {samples} groups (`samples`), found {found}"));
+            return Err(format!(
+                "fields: expected at most {samples} groups (`samples`), found {found}"
+            ));
         }
         Ok(())
     }

@@ -8,8 +8,8 @@
 //! Groups of one field are not independent, fields are. Counts are whole numbers and add up exactly, piece by piece.
 //! Tested in `tests/physics/exceedance.rs` on data made by hand and against seeded sampling.
 
-use crate::numerics::{domain, invariant};
 use crate::numerics::lanes::{Kernel, dispatch};
+use crate::numerics::{domain, invariant};
 use crate::ship::response::Response;
 use serde::{Deserialize, Serialize};
 
@@ -135,7 +135,11 @@ impl Exceedances {
             // c_f <= n_f <= the largest, field by field.
             let (c, c_c, c_n) = (self.c[k], self.c_c[k], self.c_n[k]);
             let counted = c <= n && c_c <= c_n && c <= c_c && c_n <= c * largest;
-            invariant::holds(&format!("c[{k}], c_c[{k}], c_n[{k}]"), counted, "sums over fields of one count")?;
+            invariant::holds(
+                &format!("c[{k}], c_c[{k}], c_n[{k}]"),
+                counted,
+                "sums over fields of one count",
+            )?;
         }
         Ok(())
     }

@@ -28,6 +28,7 @@
 //! warns. Tested in `tests/physics/resolution.rs` against runs in waves of a millimetre.
 
 use crate::ship::roll_equation::{Damping, Ship};
+use std::f64::consts::{PI, TAU};
 
 /// Largest h rate at which RK4 is stable, for every angle of the eigenvalue.
 pub const STABLE: f64 = 2.785;
@@ -109,7 +110,10 @@ fn stiffness(ship: &Ship, crest: f64, angle: f64) -> f64 {
     } else {
         0.0
     };
-    let parametric = ship.epsilon_1.iter().fold(0.0, |most, e| if *e > most { *e } else { most });
+    let parametric = ship
+        .epsilon_1
+        .iter()
+        .fold(0.0, |most, e| if *e > most { *e } else { most });
     ship.beta_1 + parametric * crest + hardening
 }
 
@@ -126,6 +130,50 @@ fn power(ship: &Ship, v: f64) -> f64 {
     }
 }
 
+/// The largest swing that waves can keep up in a well that hardens, rad: there the damping takes in a cycle what the
+/// excitation can give at most.
+///
+/// ```text
+/// taken  pi omega x^2 (alpha_1 + 3/4 alpha_2 omega^2 x^2)       quadratic: 8/(3 pi) alpha_2 omega x
+/// given  4 epsilon_2 eta x + 2 epsilon_1 eta x^2                twice this, since crests vary
+/// ```
+fn reach(ship: &Ship, crest: f64, capsize_angle: f64) -> f64 {
+    let parametric = stiffness(ship, crest, 0.0) - ship.beta_1;
+    let direct = ship.epsilon_2.abs() * crest;
+    let is_kept_up = |x: f64| {
+        let omega = (ship.beta_1 + 0.75 * ship.beta_2 * x * x).sqrt();
+        let taken = PI * omega * x * x * balanced(ship, omega * x);
+        taken <= 2.0 * (4.0 * direct * x + 2.0 * parametric * x * x)
+    };
+    if is_kept_up(capsize_angle) {
+        return capsize_angle;
+    }
+    halved(capsize_angle, |x| !is_kept_up(x))
+}
+
+/// The linear damping that takes as much as the ship's own at a velocity of this amplitude, 1/s, by harmonic balance.
+fn balanced(ship: &Ship, v: f64) -> f64 {
+    let share = match ship.damping {
+        Damping::Cubic => 0.75,
+        Damping::Quadratic => 8.0 / (3.0 * PI),
+    };
+    ship.alpha_1 + share * ship.alpha_2 * power(ship, v)
+}
+
+/// The least of the numbers up to `high` that are too large, which holds of `high` and of all above the least.
+fn halved(mut high: f64, is_too_large: impl Fn(f64) -> bool) -> f64 {
+    let mut low = 0.0;
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        if is_too_large(middle) {
+            high = middle;
+        } else {
+            low = middle;
+        }
+    }
+    high
+}
+
 /// The largest roll velocity that can be expected, rad/s: that of a swing from rest at the rim of the well through all of
 /// it, helped by the direct excitation all the way, and never above the velocity at which the damping holds every moment.
 ///
@@ -133,10 +181,18 @@ fn power(ship: &Ship, v: f64) -> f64 {
 fn velocity(ship: &Ship, crest: f64, capsize_angle: f64) -> f64 {
     let k = stiffness(ship, crest, 0.0);
     let beta_2 = ship.beta_2;
-    let rim = if beta_2 < 0.0 { (k / -beta_2).sqrt() } else { capsize_angle };
+    let rim = if beta_2 < 0.0 {
+        (k / -beta_2).sqrt()
+    } else {
+        reach(ship, crest, capsize_angle)
+    };
     let rim = if rim < capsize_angle { rim } else { capsize_angle };
     // The moment of a softening well is largest where its slope vanishes.
-    let steepest = if beta_2 < 0.0 { (k / (-3.0 * beta_2)).sqrt() } else { rim };
+    let steepest = if beta_2 < 0.0 {
+        (k / (-3.0 * beta_2)).sqrt()
+    } else {
+        rim
+    };
     let steepest = if steepest < rim { steepest } else { rim };
     let direct = ship.epsilon_2.abs() * crest;
     let moment = (k + beta_2 * steepest * steepest) * steepest + direct;
@@ -145,16 +201,7 @@ fn velocity(ship: &Ship, crest: f64, capsize_angle: f64) -> f64 {
     if resistance(ship, free) <= moment {
         return free;
     }
-    let (mut low, mut high) = (0.0, free);
-    for _ in 0..60 {
-        let middle = 0.5 * (low + high);
-        if resistance(ship, middle) > moment {
-            high = middle;
-        } else {
-            low = middle;
-        }
-    }
-    high
+    halved(free, |v| resistance(ship, v) > moment)
 }
 
 /// The fastest rate of a ship's motion up to an angle, 1/s: of its stiffness or of its damping.
@@ -194,9 +241,13 @@ pub fn check(ship: &Ship, capsize_angle: f64, grid: &Grid) -> Result<(), String>
 
 /// What a stable run resolves poorly: `key: expected .., found ..` each.
 pub fn warnings(ship: &Ship, capsize_angle: f64, grid: &Grid) -> Vec<String> {
-    let swing = if capsize_angle < LARGE_SWING { capsize_angle } else { LARGE_SWING };
+    let swing = if capsize_angle < LARGE_SWING {
+        capsize_angle
+    } else {
+        LARGE_SWING
+    };
     let of_ship = fastest(ship, grid.crest(), swing, capsize_angle);
-    let of_waves = std::f64::consts::TAU / grid.t_p;
+    let of_waves = TAU / grid.t_p;
     let (rate, whose) = if of_ship > of_waves {
         (of_ship, told(ship, of_ship))
     } else {
@@ -222,14 +273,12 @@ pub fn warnings(ship: &Ship, capsize_angle: f64, grid: &Grid) -> Vec<String> {
 /// Whether the lead-in and the field are long against the ship's memory.
 fn forgetting(ship: &Ship, grid: &Grid) -> Vec<String> {
     // Harmonic balance of the damping at a swing of the natural frequency.
-    let v = SWING * ship.beta_1.sqrt();
-    let alpha = match ship.damping {
-        Damping::Cubic => ship.alpha_1 + 0.75 * ship.alpha_2 * v * v,
-        Damping::Quadratic => ship.alpha_1 + 8.0 / (3.0 * std::f64::consts::PI) * ship.alpha_2 * v,
-    };
-    let memory = 2.0 / alpha;
+    let memory = 2.0 / balanced(ship, SWING * ship.beta_1.sqrt());
     let forgets = if memory.is_finite() {
-        format!("the ship forgets within 2/alpha = {} s (`ship.alpha_1`, `ship.alpha_2`)", short(memory))
+        format!(
+            "the ship forgets within 2/alpha = {} s (`ship.alpha_1`, `ship.alpha_2`)",
+            short(memory)
+        )
     } else {
         "the ship has no damping and forgets nothing (`ship.alpha_1`, `ship.alpha_2`)".to_owned()
     };
@@ -251,9 +300,27 @@ fn forgetting(ship: &Ship, grid: &Grid) -> Vec<String> {
     warnings
 }
 
+/// Whether the modes resolve the resonance of a linear oscillator whose damping is alpha (1/s): between two of them its
+/// response would depend on where they happen to lie.
+pub fn of_oscillator(alpha: f64, delta_omega: f64) -> Option<String> {
+    (alpha < delta_omega).then(|| {
+        let periods = short(delta_omega / alpha);
+        format!(
+            "record.periods_per_field: expected at least {periods} times as many: the oscillator's resonance is {} rad/s wide \
+             (`ship.alpha_1`, `ship.alpha_2`), the modes lie {} rad/s apart",
+            short(alpha),
+            short(delta_omega)
+        )
+    })
+}
+
 /// The fastest rate and where it comes from.
 fn told(ship: &Ship, rate: f64) -> String {
-    let damping = if ship.damping == Damping::Cubic { "cubic" } else { "quadratic" };
+    let damping = if ship.damping == Damping::Cubic {
+        "cubic"
+    } else {
+        "quadratic"
+    };
     format!(
         "{} 1/s (`ship.beta_1` = {}, `ship.beta_2` = {}, `ship.epsilon_1` up to {}, `ship.alpha_1` = {}, {damping} \
          `ship.alpha_2` = {}, at the highest crest)",

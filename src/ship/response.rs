@@ -124,7 +124,11 @@ impl Response {
         let least = if truth.roll == Roll::Absolute { 0.0 } else { least };
         invariant::all_within("r", &self.r, &(least..=most))?;
         invariant::within("time_above", self.time_above, 0.0..=1.0)?;
-        invariant::holds("r", !self.dropped || self.r.is_empty(), "no responses of a dropped field")
+        invariant::holds(
+            "r",
+            !self.dropped || self.r.is_empty(),
+            "no responses of a dropped field",
+        )
     }
 
     /// The number of groups whose segment holds a capsize.
@@ -190,7 +194,9 @@ impl Truths {
                 }
             }
             let kept = own.iter().filter(|response| !response.dropped).map(|_| instants);
-            temporal.check(levels, kept).map_err(|why| format!("temporal[{e}].{why}"))?;
+            temporal
+                .check(levels, kept)
+                .map_err(|why| format!("temporal[{e}].{why}"))?;
         }
         Ok(())
     }

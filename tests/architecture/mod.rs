@@ -49,6 +49,34 @@ fn the_package_keeps_its_rules() {
 }
 
 #[test]
+fn every_stage_that_rolls_a_ship_asks_what_its_step_resolves() {
+    let rolls = |text: &str| text.contains("Simulation::new(") || text.contains("calibration::study::");
+    let sources = real_sources();
+    let stages = sources
+        .iter()
+        .filter(|(path, text)| path.starts_with("stages/") && rolls(text));
+    let mut known = Vec::new();
+    for (path, text) in stages {
+        assert!(
+            text.contains("fn resolution("),
+            "{path} rolls a ship and defines no `resolution`"
+        );
+        known.push(path.as_str());
+    }
+    // Those that hand the whole study on share its rule.
+    let check = &sources["stages/calibration_check.rs"];
+    assert!(check.contains("p.resolution()"), "calibration_check");
+    for path in [
+        "stages/ground_truth.rs",
+        "stages/pic.rs",
+        "stages/calibration_search.rs",
+    ] {
+        assert!(known.contains(&path), "{path} is not found to roll a ship: {known:?}");
+    }
+    assert!(known.len() >= 9, "{known:?}");
+}
+
+#[test]
 fn the_toy_tree_keeps_the_rules() {
     assert_eq!(found_in(&ToyTree::new()), Vec::<String>::new());
 }

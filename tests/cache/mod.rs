@@ -4,6 +4,8 @@ mod cases;
 mod chart;
 mod difference;
 mod finite;
+mod forged;
+mod forged_plant;
 mod gc;
 mod hits;
 mod keys;

@@ -8,6 +8,7 @@ mod graph;
 mod locks;
 mod ranges;
 mod refusals;
+mod resolution;
 mod robust;
 mod threads;
 mod timing;

@@ -24,6 +24,7 @@ mod linear_response;
 mod look_ahead;
 mod normal;
 mod quadrature;
+mod resolution;
 mod response;
 mod rk4;
 mod roll_equation;
