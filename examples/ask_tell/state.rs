@@ -21,6 +21,8 @@ use std::fmt::Display;
 
 /// The settings of the design: those of the paper's pipeline.
 const SETTINGS: &str = include_str!("../../stages/paper.toml");
+/// Hexadecimal digits of the name of a sequence.
+const NAME_DIGITS: usize = 16;
 const STATE: &str = "state.toml";
 const BEFORE: &str = "state.before.toml";
 pub(crate) const GROUPS: &str = "groups.csv";
@@ -120,7 +122,9 @@ impl State {
         self.groups = hash(&text(groups));
         let body = toml::to_string(self).expect("a state is plain numbers and names");
         let now = std::time::SystemTime::now();
-        self.sequence = hash(&format!("{body}{now:?}{}", std::process::id()))[..16].to_owned();
+        let mut name = hash(&format!("{body}{now:?}{}", std::process::id()));
+        name.truncate(NAME_DIGITS);
+        self.sequence = name;
     }
 
     pub(crate) fn scales(&self) -> Scales {
@@ -190,7 +194,7 @@ impl State {
     fn check_read(&self, place: impl Fn(&str) -> String) -> Result<(), Refusal> {
         let next = "begin a new sequence: this state was not written by this program";
         let hex = |text: &str, length: usize| text.len() == length && text.bytes().all(|b| b.is_ascii_hexdigit());
-        for (key, text, length) in [("sequence", &self.sequence, 16), ("groups", &self.groups, 64)] {
+        for (key, text, length) in [("sequence", &self.sequence, NAME_DIGITS), ("groups", &self.groups, 64)] {
             if !hex(text, length) {
                 return Err(refusal(
                     place(key),
@@ -268,35 +272,42 @@ impl State {
     /// The state of a folder and its groups, if they are what was saved and what this program can go on with.
     pub(crate) fn load(folder: &Folder) -> Result<(Self, Vec<Group>), Refusal> {
         let path = folder.place(STATE);
-        if !folder.holds(STATE)? {
-            let next = match folder.holds(BEFORE)? {
-                true => "copy state.before.toml to its place and tell the last maxima again",
-                false => "begin one with `new`, or check the folder's name",
-            };
-            return Err(refusal(path.display(), "a sequence", "none", next));
-        }
-        let bytes = folder.read(STATE, LARGEST_STATE)?;
-        let text = String::from_utf8_lossy(&bytes);
-        let (head, body) = text.split_once('\n').unwrap_or_default();
-        if head.strip_prefix("# blake3 ") != Some(hash(body).as_str()) {
-            let next = match folder.holds(BEFORE)? {
-                true => "copy state.before.toml over it and tell the last maxima again",
-                false => "begin a new sequence in another folder",
-            };
-            return Err(refusal(
-                path.display(),
-                "what was saved",
-                "a damaged or edited file",
-                next,
-            ));
-        }
-        let state = toml::from_str::<Self>(body)
+        let body = Self::read_sealed(folder)?;
+        let state = toml::from_str::<Self>(&body)
             .map_err(|why| refusal(path.display(), "a state of this version", why.message(), OTHER_VERSION))?;
         let place = |key: &str| format!("{}, {key}", path.display());
         state.check(place)?;
         state.check_read(place)?;
         let groups = state.read_groups(folder)?;
         Ok((state, groups))
+    }
+
+    /// The text of a state without its checksum, which must be right.
+    fn read_sealed(folder: &Folder) -> Result<String, Refusal> {
+        let path = folder.place(STATE);
+        let has_before = folder.holds(BEFORE)?;
+        if !folder.holds(STATE)? {
+            let next = if has_before {
+                "copy state.before.toml to its place and tell the last maxima again"
+            } else {
+                "begin one with `new`, or check the folder's name"
+            };
+            return Err(refusal(path.display(), "a sequence", "none", next));
+        }
+        let bytes = folder.read(STATE, LARGEST_STATE)?;
+        // A version control that changes line ends on the way to another machine does no harm.
+        let text = String::from_utf8_lossy(&bytes).replace("\r\n", "\n");
+        let (head, body) = text.split_once('\n').unwrap_or_default();
+        if head.strip_prefix("# blake3 ") == Some(hash(body).as_str()) {
+            return Ok(body.to_owned());
+        }
+        let next = if has_before {
+            "copy state.before.toml over it and tell the last maxima again"
+        } else {
+            "begin a new sequence in another folder"
+        };
+        let found = "a damaged or edited file";
+        Err(refusal(path.display(), "what was saved", found, next))
     }
 
     /// The groups in the folder, if the sequence began with them.

@@ -169,6 +169,14 @@ fn a_sequence_goes_on_wherever_its_folder_is_moved() {
             format!("DIR/place {}", i - 1)
         };
         fs::rename(path(&before), path(&place)).expect("a folder can be renamed");
+        for name in ["state.toml", "groups.csv"] {
+            // As some version controls do on the way to another machine.
+            let file = path(&place).join(name);
+            let text = fs::read_to_string(&file)
+                .expect("the file is there")
+                .replace("\r\n", "\n");
+            fs::write(&file, text.replace('\n', "\r\n")).expect("a file can be written");
+        }
         moved.said(&["ask", &place]);
         fs::copy(path(&place).join("batch.csv"), moved.path("batch.csv")).expect("the batch is there");
         moved.simulate(moved.batch());

@@ -94,7 +94,7 @@ fn a_state_with_any_value_at_any_key_is_refused_or_replayed() {
             String::new(),
             format!("{line}\n{line}"),
             format!("\"\\u001b[31m\" = 1\n{line}"),
-            format!("{key}"),
+            key.to_owned(),
         ]);
         for other in lines {
             seal(&stranger, body.replacen(line, &other, 1).as_bytes());
