@@ -8,8 +8,9 @@
 //! stream of their own, drawn in the order of the places for all of a batch at once, whichever of them failed. So neither
 //! the order in which failures are told nor the failures of other places change what is drawn.
 
+use crate::check::MOST_RUNS;
 use crate::refusal::{Refusal, refusal};
-use crate::state::{MOST_RUNS, State, Told};
+use crate::state::{State, Told};
 use crate::waves::Group;
 use encounter::design::pool::{Pool, Used};
 use encounter::design::quadrature::Quadrature;

@@ -20,7 +20,7 @@ const NEXT: &str = "correct the file and tell again: nothing of it was taken";
 /// Begins a sequence with the groups of a file.
 pub(crate) fn new(path: &Path, source: &Path, wanted: &Wanted) -> Result<String, Refusal> {
     let mut state = State::new(wanted);
-    state.check(|key| format!("--{}", key.replace('_', "-")))?;
+    state.check_options(|key| format!("--{}", key.replace('_', "-")))?;
     let groups = parse(source, &read_named(source, LARGEST_FILE)?, state.scales())?;
     state.check_groups(source.display(), &groups)?;
     fs::create_dir_all(path).map_err(|why| failed(path, "a folder", &why))?;
