@@ -36,6 +36,8 @@
 //! before. The folder holds all that a sequence needs, its own copy of groups.csv too: move or rename it as you like.
 //! Tested in `tests/ask_tell`, as a process.
 
+#[path = "ask_tell/check.rs"]
+mod check;
 #[path = "ask_tell/folder.rs"]
 mod folder;
 #[path = "ask_tell/refusal.rs"]

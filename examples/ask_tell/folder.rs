@@ -6,7 +6,7 @@
 
 use crate::refusal::{Refusal, failed, refusal};
 use std::ffi::OsStr;
-use std::fs::{self, File, FileType, OpenOptions};
+use std::fs::{self, File, FileType, OpenOptions, TryLockError};
 use std::io::{self, ErrorKind, Read, Write};
 use std::path::{Path, PathBuf};
 
@@ -26,7 +26,15 @@ impl Folder {
     pub(crate) fn hold(path: &Path) -> Result<Self, Refusal> {
         // The folder itself is locked, not a file in it: no file has to be created, and none can be a link.
         let lock = open_folder(path).map_err(|why| failed(path, "the folder of a sequence", &why))?;
-        lock.lock().map_err(|why| failed(path, "a lock on the folder", &why))?;
+        let locked = match lock.try_lock() {
+            Ok(()) => Ok(()),
+            Err(TryLockError::Error(why)) => Err(why),
+            Err(TryLockError::WouldBlock) => {
+                let _ = writeln!(io::stderr(), "waiting for another call that holds the folder");
+                lock.lock()
+            }
+        };
+        locked.map_err(|why| failed(path, "a lock on the folder", &why))?;
         let folder = Self {
             path: path.to_owned(),
             _lock: lock,
@@ -92,7 +100,7 @@ impl Folder {
         builder.tempfile_in(&self.path)
     }
 
-    /// Removes the temporary files of calls that were killed: nobody else writes while the folder is held.
+    /// Removes the temporary files of calls that were killed: no other call writes while the folder is held.
     fn sweep(&self) -> io::Result<()> {
         for entry in fs::read_dir(&self.path)? {
             let entry = entry?;
@@ -104,7 +112,7 @@ impl Folder {
     }
 }
 
-/// A regular file named by the user, through links if he likes, of at most so many bytes.
+/// A regular file that the user names, which may be a link to one, of at most so many bytes.
 pub(crate) fn read_named(path: &Path, most: u64) -> Result<Vec<u8>, Refusal> {
     read(path, open(path, true), most)
 }

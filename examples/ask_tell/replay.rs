@@ -4,12 +4,13 @@
 //! four digits by a hash of the sequence, the place and the run. So an answer meant for another sequence is refused, and
 //! a number that lost its last digits on the way (the last is never 0) names no sample.
 //!
-//! Where runs fail, others are drawn near the same place from groups that nobody else has taken. They come from a random
+//! Where runs fail, others are drawn near the same place from groups that are not taken yet. They come from a random
 //! stream of their own, drawn in the order of the places for all of a batch at once, whichever of them failed. So neither
 //! the order in which failures are told nor the failures of other places change what is drawn.
 
+use crate::check::MOST_RUNS;
 use crate::refusal::{Refusal, refusal};
-use crate::state::{MOST_RUNS, State, Told};
+use crate::state::{State, Told};
 use crate::waves::Group;
 use encounter::design::pool::{Pool, Used};
 use encounter::design::quadrature::Quadrature;
@@ -93,7 +94,7 @@ impl Replay {
                 break;
             }
             sequence.tell(&answers, &mut stream);
-            estimates.push(estimate(&sequence, state.theta_t, design.initial));
+            estimates.extend(estimate(&sequence, state.theta_t, design.initial));
         }
         let done = sequence.queries().is_empty();
         let replay = Self { runs, estimates, done };
@@ -117,11 +118,7 @@ impl Replay {
         ))
     }
 
-    pub(crate) fn run(&self, sample: f64) -> Option<&Run> {
-        self.runs.iter().find(|run| run.sample as f64 == sample)
-    }
-
-    /// The runs that nobody has told yet.
+    /// The runs whose outcome is not known yet.
     pub(crate) fn open(&self) -> impl Iterator<Item = &Run> {
         self.runs.iter().filter(|run| run.told.is_none())
     }
@@ -196,12 +193,12 @@ fn number(sequence: &str, place: usize, attempt: usize) -> u64 {
     10_000 * place as u64 + digits / 9 * 10 + digits % 9 + 1
 }
 
-/// What is known after the last fit of a sequence.
+/// What is known after the last fit of a sequence; nothing if its estimate is no number.
 ///
 /// Where all samples say the same, the model's estimate is its law's tail alone. Of the first n samples one lies in each
 /// n-th of the sea's groups, so that none of them exceeds with probability Π(1 - p_i) <= (1 - P)^n: this is less than 5 %
 /// unless P <= 1 - 0.05^(1/n), about 3/n. The later samples lie where the model wants them and bound nothing.
-fn estimate(sequence: &Sequence, theta_t: f64, initial: u32) -> Estimate {
+fn estimate(sequence: &Sequence, theta_t: f64, initial: u32) -> Option<Estimate> {
     let y = &sequence.realisation.y;
     let exceeding = y.iter().filter(|r| **r > theta_t).count();
     let share = exp(ln(1.0 - CONFIDENCE) / f64::from(initial));
@@ -210,19 +207,15 @@ fn estimate(sequence: &Sequence, theta_t: f64, initial: u32) -> Estimate {
     } else if exceeding == y.len() {
         Known::AtLeast(share)
     } else {
+        let probability = sequence.realisation.estimate.last().copied();
         Known::Estimate {
-            probability: sequence
-                .realisation
-                .estimate
-                .last()
-                .copied()
-                .expect("an estimate follows each fit"),
+            probability: probability.filter(|p| p.is_finite())?,
             // A deviation of 0 would say that nothing is left to know.
-            deviation: sequence.deviation().filter(|deviation| *deviation > 0.0),
+            deviation: sequence.deviation().filter(|d| d.is_finite() && *d > 0.0),
         }
     };
-    Estimate {
+    Some(Estimate {
         n_samples: y.len(),
         known,
-    }
+    })
 }

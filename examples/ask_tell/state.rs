@@ -17,36 +17,31 @@ use encounter::design::sequential::Design;
 use encounter::design::settings::{LookAhead, Shared};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
-use std::fmt::Display;
 
 /// The settings of the design: those of the paper's pipeline.
 const SETTINGS: &str = include_str!("../../stages/paper.toml");
+/// Hexadecimal digits of the name of a sequence.
+pub(crate) const NAME_DIGITS: usize = 16;
 const STATE: &str = "state.toml";
 const BEFORE: &str = "state.before.toml";
 pub(crate) const GROUPS: &str = "groups.csv";
-/// Runs of one place of the design: where so many fail, the simulator does not work.
-pub(crate) const MOST_RUNS: usize = 20;
-/// Samples in all: each call fits the model to all of them again, in time that grows with the fourth power.
-const MOST_SAMPLES: u32 = 300;
 /// Bytes of a state: three times one with every run of every sample.
 const LARGEST_STATE: u64 = 1 << 20;
-/// Largest |r| and cap, in θ_t: beyond, the unit is another one.
-pub(crate) const LARGEST: f64 = 1e6;
-const OTHER_VERSION: &str = "go on with the version of this program that began the sequence";
+pub(crate) const OTHER_VERSION: &str = "go on with the version of this program that began the sequence";
 
 /// What a sequence is and what it has been told.
 #[derive(Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct State {
     pub(crate) sequence: String,
-    groups: String,
-    settings: String,
+    pub(crate) groups: String,
+    pub(crate) settings: String,
     pub(crate) seed: u64,
-    t_p: f64,
-    h_s: f64,
+    pub(crate) t_p: f64,
+    pub(crate) h_s: f64,
     pub(crate) theta_t: f64,
     /// Largest maximum that enters the model, in θ_t.
-    cap: f64,
+    pub(crate) cap: f64,
     pub(crate) total: u32,
     #[serde(default)]
     pub(crate) told: Vec<Told>,
@@ -81,13 +76,13 @@ pub(crate) struct Settings {
 }
 
 impl Settings {
-    fn of_the_paper() -> Self {
+    pub(crate) fn of_the_paper() -> Self {
         let mut settings: Self = toml::from_str(SETTINGS).expect("the settings are part of the program");
         settings.vhgp_seq.case.clear();
         settings
     }
 
-    fn hash(&self) -> String {
+    pub(crate) fn hash(&self) -> String {
         hash(&toml::to_string(self).expect("settings are plain numbers and names"))
     }
 }
@@ -120,7 +115,9 @@ impl State {
         self.groups = hash(&text(groups));
         let body = toml::to_string(self).expect("a state is plain numbers and names");
         let now = std::time::SystemTime::now();
-        self.sequence = hash(&format!("{body}{now:?}{}", std::process::id()))[..16].to_owned();
+        let mut name = hash(&format!("{body}{now:?}{}", std::process::id()));
+        name.truncate(NAME_DIGITS);
+        self.sequence = name;
     }
 
     pub(crate) fn scales(&self) -> Scales {
@@ -146,115 +143,6 @@ impl State {
         self.told.iter().map(|told| (told.sample, *told)).collect()
     }
 
-    /// Every number of a sequence in its range; `place` says where a key was given.
-    pub(crate) fn check<P: Display>(&self, place: impl Fn(&str) -> P) -> Result<(), Refusal> {
-        let next = "correct it and call again";
-        for (key, value, from, to, what) in [
-            ("t_p", self.t_p, 0.01, 1000.0, "a peak period in s, of a tank or a sea"),
-            (
-                "h_s",
-                self.h_s,
-                1e-4,
-                100.0,
-                "a significant wave height in m, of a tank or a sea",
-            ),
-            ("theta_t", self.theta_t, 1e-9, 1e9, "a threshold"),
-        ] {
-            if !(from..=to).contains(&value) {
-                let expected = format!("{what}, from {from:?} to {to:?}");
-                return Err(refusal(place(key), expected, value, next));
-            }
-        }
-        if !(self.cap > 1.0 && self.cap <= LARGEST) {
-            let expected = format!(
-                "a number above theta_t = {}, and at most {LARGEST:?} times it",
-                self.theta_t
-            );
-            return Err(refusal(place("cap"), expected, self.cap * self.theta_t, next));
-        }
-        let initial = Settings::of_the_paper().vhgp_best.initial;
-        if !(initial..=MOST_SAMPLES).contains(&self.total) {
-            let expected = format!(
-                "{initial} to {MOST_SAMPLES} samples: the design begins with {initial}, and each call fits all of them again"
-            );
-            return Err(refusal(place("total"), expected, self.total, next));
-        }
-        // A TOML file holds no larger whole number.
-        if self.seed > i64::MAX as u64 {
-            return Err(refusal(place("seed"), format!("at most {}", i64::MAX), self.seed, next));
-        }
-        Ok(())
-    }
-
-    /// What only a state that was read may have wrong.
-    fn check_read(&self, place: impl Fn(&str) -> String) -> Result<(), Refusal> {
-        let next = "begin a new sequence: this state was not written by this program";
-        let hex = |text: &str, length: usize| text.len() == length && text.bytes().all(|b| b.is_ascii_hexdigit());
-        for (key, text, length) in [("sequence", &self.sequence, 16), ("groups", &self.groups, 64)] {
-            if !hex(text, length) {
-                return Err(refusal(
-                    place(key),
-                    format!("{length} hexadecimal digits"),
-                    format!("`{text}`"),
-                    next,
-                ));
-            }
-        }
-        if self.settings != Settings::of_the_paper().hash() {
-            let expected = format!("the settings of this version, {}", Settings::of_the_paper().hash());
-            return Err(refusal(place("settings"), expected, &self.settings, OTHER_VERSION));
-        }
-        let most = self.total as usize * MOST_RUNS;
-        if self.told.len() > most {
-            return Err(refusal(
-                place("told"),
-                format!("at most {most} runs"),
-                self.told.len(),
-                next,
-            ));
-        }
-        let mut before = 0;
-        for told in &self.told {
-            if told.sample <= before {
-                let expected = format!("a sample after {before}");
-                return Err(refusal(
-                    place("told"),
-                    expected,
-                    format!("sample {}", told.sample),
-                    next,
-                ));
-            }
-            before = told.sample;
-            if let Some(r) = told.r.filter(|r| !self.is_possible(*r)) {
-                let place = place(&format!("told, sample {}", told.sample));
-                return Err(refusal(place, self.possible(), format!("r = {r}"), next));
-            }
-        }
-        Ok(())
-    }
-
-    /// Whether a number may be a maximum.
-    pub(crate) fn is_possible(&self, r: f64) -> bool {
-        r.abs() <= LARGEST * self.theta_t
-    }
-
-    pub(crate) fn possible(&self) -> String {
-        let largest = LARGEST * self.theta_t;
-        format!(
-            "a maximum in the unit of theta_t = {}, within {largest} of 0",
-            self.theta_t
-        )
-    }
-
-    /// Enough groups for every sample, as many as were hashed.
-    pub(crate) fn check_groups(&self, place: impl Display, groups: &[Group]) -> Result<(), Refusal> {
-        if groups.len() > self.total as usize {
-            return Ok(());
-        }
-        let expected = format!("more than {} groups, since none is taken twice", self.total);
-        Err(refusal(place, expected, groups.len(), "give a longer record"))
-    }
-
     /// Writes the state, after a copy of the one before.
     pub(crate) fn save(&self, folder: &Folder) -> Result<(), Refusal> {
         let body = toml::to_string(self).expect("a state is plain numbers and names");
@@ -268,35 +156,41 @@ impl State {
     /// The state of a folder and its groups, if they are what was saved and what this program can go on with.
     pub(crate) fn load(folder: &Folder) -> Result<(Self, Vec<Group>), Refusal> {
         let path = folder.place(STATE);
+        let body = Self::read_sealed(folder)?;
+        let state = toml::from_str::<Self>(&body)
+            .map_err(|why| refusal(path.display(), "a state of this version", why.message(), OTHER_VERSION))?;
+        let place = |key: &str| format!("{}, {key}", path.display());
+        state.check_read(place)?;
+        let groups = state.read_groups(folder)?;
+        Ok((state, groups))
+    }
+
+    /// The text of a state without its checksum, which must be right.
+    fn read_sealed(folder: &Folder) -> Result<String, Refusal> {
+        let path = folder.place(STATE);
+        let has_before = folder.holds(BEFORE)?;
         if !folder.holds(STATE)? {
-            let next = match folder.holds(BEFORE)? {
-                true => "copy state.before.toml to its place and tell the last maxima again",
-                false => "begin one with `new`, or check the folder's name",
+            let next = if has_before {
+                "copy state.before.toml to its place and tell the last maxima again"
+            } else {
+                "begin one with `new`, or check the folder's name"
             };
             return Err(refusal(path.display(), "a sequence", "none", next));
         }
         let bytes = folder.read(STATE, LARGEST_STATE)?;
-        let text = String::from_utf8_lossy(&bytes);
+        // A version control that changes line ends on the way to another machine does no harm.
+        let text = String::from_utf8_lossy(&bytes).replace("\r\n", "\n");
         let (head, body) = text.split_once('\n').unwrap_or_default();
-        if head.strip_prefix("# blake3 ") != Some(hash(body).as_str()) {
-            let next = match folder.holds(BEFORE)? {
-                true => "copy state.before.toml over it and tell the last maxima again",
-                false => "begin a new sequence in another folder",
-            };
-            return Err(refusal(
-                path.display(),
-                "what was saved",
-                "a damaged or edited file",
-                next,
-            ));
+        if head.strip_prefix("# blake3 ") == Some(hash(body).as_str()) {
+            return Ok(body.to_owned());
         }
-        let state = toml::from_str::<Self>(body)
-            .map_err(|why| refusal(path.display(), "a state of this version", why.message(), OTHER_VERSION))?;
-        let place = |key: &str| format!("{}, {key}", path.display());
-        state.check(place)?;
-        state.check_read(place)?;
-        let groups = state.read_groups(folder)?;
-        Ok((state, groups))
+        let next = if has_before {
+            "copy state.before.toml over it and tell the last maxima again"
+        } else {
+            "begin a new sequence in another folder"
+        };
+        let found = "a damaged or edited file";
+        Err(refusal(path.display(), "what was saved", found, next))
     }
 
     /// The groups in the folder, if the sequence began with them.

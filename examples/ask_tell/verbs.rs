@@ -2,10 +2,11 @@
 
 use crate::folder::{Folder, read_named};
 use crate::refusal::{Refusal, failed, line, refusal};
-use crate::replay::{CONFIDENCE, Estimate, Known, Replay};
+use crate::replay::{CONFIDENCE, Estimate, Known, Replay, Run};
 use crate::state::{GROUPS, State, Told, Wanted};
 use crate::table::{number, rows};
 use crate::waves::{LARGEST_FILE, append, parse, text};
+use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::fs;
 use std::path::Path;
@@ -19,7 +20,7 @@ const NEXT: &str = "correct the file and tell again: nothing of it was taken";
 /// Begins a sequence with the groups of a file.
 pub(crate) fn new(path: &Path, source: &Path, wanted: &Wanted) -> Result<String, Refusal> {
     let mut state = State::new(wanted);
-    state.check(|key| format!("--{}", key.replace('_', "-")))?;
+    state.check_options(|key| format!("--{}", key.replace('_', "-")))?;
     let groups = parse(source, &read_named(source, LARGEST_FILE)?, state.scales())?;
     state.check_groups(source.display(), &groups)?;
     fs::create_dir_all(path).map_err(|why| failed(path, "a folder", &why))?;
@@ -93,10 +94,13 @@ pub(crate) fn tell(path: &Path, maxima: &Path) -> Result<String, Refusal> {
 /// Adds the rows of a file to what has been told.
 fn take(state: &mut State, replay: &Replay, path: &Path) -> Result<(), Refusal> {
     let mut known = state.by_sample();
+    let asked: BTreeMap<u64, &Run> = replay.runs.iter().map(|run| (run.sample, run)).collect();
     let bytes = read_named(path, LARGEST_MAXIMA)?;
     rows(path, &bytes, ["sample", "r"], |at, [sample, r]| {
-        let run = number(path, at, "sample", sample)?;
-        let Some(run) = replay.run(run) else {
+        let wanted = number(path, at, "sample", sample)?;
+        // A cast to an unsigned integer saturates and drops the fraction.
+        let run = asked.get(&(wanted as u64)).filter(|run| run.sample as f64 == wanted);
+        let Some(run) = run else {
             let expected = "a sample that this sequence has asked for, as in its batch.csv";
             return Err(refusal(line(path, at), expected, sample, NEXT));
         };

@@ -4,6 +4,9 @@ use super::{Stranger, roll};
 use std::collections::BTreeSet;
 use std::fmt::Write;
 
+/// A maximum by length and amplitude of a group.
+type Ship = fn(f64, f64) -> String;
+
 /// Writes maxima.csv: these samples failed, by their place in the batch, the others did not.
 fn fail(stranger: &Stranger, failed: &[usize]) {
     let samples: Vec<usize> = stranger.batch().into_keys().collect();
@@ -121,7 +124,6 @@ fn a_simulator_that_always_fails_is_stopped_with_a_word() {
 fn no_exceedance_gives_an_upper_bound_and_only_exceedances_a_lower_one() {
     // 1 - 0.05^(1/30).
     let bound = 0.095_034;
-    type Ship = fn(f64, f64) -> String;
     let ships: [(Ship, bool); 5] = [
         (|l, a| (0.3 * roll(l, a)).min(0.7).to_string(), false),
         (|_, _| "0".to_owned(), false),
@@ -132,17 +134,18 @@ fn no_exceedance_gives_an_upper_bound_and_only_exceedances_a_lower_one() {
     for (ship, exceeds) in ships {
         let stranger = Stranger::new();
         let said = stranger.to_the_end_with(|| stranger.answer(stranger.batch(), ship));
-        let (says, column, value) = match exceeds {
-            false => (
-                "P(r > 0.75) <= 0.095 with 95 % confidence, since none of 36 samples",
-                4,
-                bound,
-            ),
-            true => (
+        let (says, column, value) = if exceeds {
+            (
                 "P(r > 0.75) >= 0.905 with 95 % confidence, since each of 36 samples",
                 3,
                 1.0 - bound,
-            ),
+            )
+        } else {
+            (
+                "P(r > 0.75) <= 0.095 with 95 % confidence, since none of 36 samples",
+                4,
+                bound,
+            )
         };
         assert!(said.contains(says) && !said.contains("+-"), "{said}");
         let text = stranger.text("estimate.csv");

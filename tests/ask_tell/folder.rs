@@ -2,7 +2,8 @@
 
 use super::hostile::ends;
 use super::{Stranger, begin, example};
-use std::fs;
+use std::fs::{self, File};
+use std::io::{BufRead, BufReader};
 use std::os::unix::fs::{PermissionsExt, symlink};
 use std::os::unix::process::CommandExt;
 use std::path::Path;
@@ -169,6 +170,14 @@ fn a_sequence_goes_on_wherever_its_folder_is_moved() {
             format!("DIR/place {}", i - 1)
         };
         fs::rename(path(&before), path(&place)).expect("a folder can be renamed");
+        for name in ["state.toml", "groups.csv"] {
+            // As some version controls do on the way to another machine.
+            let file = path(&place).join(name);
+            let text = fs::read_to_string(&file)
+                .expect("the file is there")
+                .replace("\r\n", "\n");
+            fs::write(&file, text.replace('\n', "\r\n")).expect("a file can be written");
+        }
         moved.said(&["ask", &place]);
         fs::copy(path(&place).join("batch.csv"), moved.path("batch.csv")).expect("the batch is there");
         moved.simulate(moved.batch());
@@ -234,6 +243,56 @@ fn beginning_beside_a_tell_loses_nothing() {
         why.contains("state.toml: expected a sequence, found none; copy state.before.toml"),
         "{why}"
     );
+}
+
+#[test]
+fn every_call_waits_while_another_holds_the_folder_and_says_so() {
+    let stranger = simulated();
+    let (ask, tell, new) = (
+        &["ask", "DIR"][..],
+        &["tell", "DIR", "DIR/maxima.csv"][..],
+        &begin("36")[..],
+    );
+    for call in [ask, tell, new] {
+        let held = File::open(stranger.folder.path()).expect("a folder can be opened");
+        held.lock().expect("the folder can be locked");
+        let mut child = stranger.command(call).spawn().expect("the example runs");
+        let mut said = String::new();
+        let errors = child.stderr.take().expect("messages are piped");
+        let mut errors = BufReader::new(errors);
+        errors.read_line(&mut said).expect("a message");
+        assert_eq!(said, "waiting for another call that holds the folder\n", "{call:?}");
+        assert!(child.try_wait().expect("a child can be waited for").is_none());
+        drop(held);
+        let code = child.wait().expect("a child ends").code();
+        assert_eq!(code, Some(if call == new { 2 } else { 0 }), "{call:?}");
+    }
+}
+
+#[test]
+fn only_temporary_files_of_the_example_are_removed() {
+    let stranger = simulated();
+    let kept = [
+        ".ask_tell-mine.tmp",
+        "notes.tmp",
+        ".ask_tell-AbcdefGhijk1.csv",
+        ".ask_tell-Abcdef/hijk1.tmp",
+    ];
+    fs::create_dir(stranger.path(".ask_tell-Abcdef")).expect("a folder can be made");
+    for name in kept {
+        stranger.file(name, "mine");
+    }
+    let (link, folder) = (
+        stranger.path(".ask_tell-AbcdefGhijk2.tmp"),
+        stranger.path(".ask_tell-AbcdefGhijk3.tmp"),
+    );
+    symlink(stranger.path("notes.tmp"), &link).expect("a link can be made");
+    fs::create_dir(&folder).expect("a folder can be made");
+    stranger.file(".ask_tell-AbcdefGhijk4.tmp", "left by a call that was killed");
+    stranger.said(&["ask", "DIR"]);
+    assert!(kept.iter().all(|name| stranger.text(name) == "mine"));
+    assert!(link.is_symlink() && folder.is_dir());
+    assert!(!stranger.path(".ask_tell-AbcdefGhijk4.tmp").exists());
 }
 
 #[test]

@@ -1,6 +1,7 @@
 //! Files of maxima in the forms that spreadsheets and scripts write, and those that must be refused.
 
 use super::Stranger;
+use std::fmt::Write;
 use std::fs;
 
 /// A sequence with its first batch, and the numbers of three samples of it.
@@ -55,7 +56,8 @@ fn groups_are_read_by_column_name_too() {
     let mut text = "\u{feff}A,\"l\",field,t_c,remark\r\n".to_owned();
     for line in other.text("groups.csv").lines().skip(1) {
         let cells: Vec<&str> = line.split(',').collect();
-        text += &format!("{}, {},{},\"{}\",\r\n", cells[3], cells[2], cells[0], cells[1]);
+        let [field, t_c, l, a] = [0, 1, 2, 3].map(|i| cells[i]);
+        write!(text, "{a}, {l},{field},\"{t_c}\",\r\n").expect("a text grows");
     }
     other.file("groups.csv", &text);
     other.said(&super::begin("36"));
@@ -133,6 +135,23 @@ fn maxima_that_are_malformed_or_contradict_are_refused_whole() {
             format!("line 3, r: {number} `{shown}`"),
         ));
     }
+    are_refused(&stranger, cases);
+}
+
+/// Each text is refused whole, and the message says so.
+fn are_refused(stranger: &Stranger, cases: Vec<(String, String)>) {
+    for (text, says) in cases {
+        stranger.file("wrong.csv", &text);
+        let why = stranger.refused(&["tell", "DIR", "DIR/wrong.csv"]);
+        assert!(why.contains(&format!("wrong.csv, {says}")), "{text:?}: {why}");
+        assert!(why.contains("nothing") && !why.contains('\u{1b}'), "{why}");
+    }
+}
+
+#[test]
+fn samples_never_asked_for_and_files_that_are_no_tables_are_refused() {
+    let (stranger, [_, _, c]) = asked();
+    let mut cases = Vec::new();
     let unknown = "line 2: expected a sample that this sequence has asked for, as in its batch.csv, found";
     for sample in [
         "0",
@@ -145,12 +164,7 @@ fn maxima_that_are_malformed_or_contradict_are_refused_whole() {
     ] {
         cases.push((format!("sample,r\n{sample},0.5\n"), format!("{unknown} {sample};")));
     }
-    for (text, says) in cases {
-        stranger.file("wrong.csv", &text);
-        let why = stranger.refused(&["tell", "DIR", "DIR/wrong.csv"]);
-        assert!(why.contains(&format!("wrong.csv, {says}")), "{text:?}: {why}");
-        assert!(why.contains("nothing") && !why.contains('\u{1b}'), "{why}");
-    }
+    are_refused(&stranger, cases);
     for (bytes, says) in [
         (
             &[0xff, 0xfe, b's', 0][..],

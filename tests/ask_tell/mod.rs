@@ -322,7 +322,11 @@ fn a_sequence_is_begun_once_with_sound_numbers_and_keeps_its_groups() {
     assert!(why.contains("absent: expected the folder of a sequence"), "{why}");
     for (option, value, says) in [
         ("--t-p", "0", "--t-p: expected a peak period in s"),
-        ("--theta-t", "NaN", "--theta-t: expected a threshold"),
+        (
+            "--theta-t",
+            "NaN",
+            "--theta-t: expected a threshold in the unit of the maxima",
+        ),
         ("--cap", "0.5", "--cap: expected a number above theta_t = 0.75"),
         ("--total", "20", "--total: expected 30 to 300 samples"),
     ] {

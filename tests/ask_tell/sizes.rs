@@ -33,8 +33,16 @@ fn numbers_beyond_what_a_sequence_can_be_are_refused_with_the_reason() {
         ("--t-p", "inf", period),
         ("--h-s", "1e300", "--h-s: expected a significant wave height in m"),
         ("--h-s", "1e-9", "--h-s: expected a significant wave height in m"),
-        ("--theta-t", "1e300", "--theta-t: expected a threshold, from"),
-        ("--theta-t", "1e-300", "--theta-t: expected a threshold, from"),
+        (
+            "--theta-t",
+            "1e300",
+            "--theta-t: expected a threshold in the unit of the maxima, from",
+        ),
+        (
+            "--theta-t",
+            "1e-300",
+            "--theta-t: expected a threshold in the unit of the maxima, from",
+        ),
         ("--cap", "1e300", "and at most 1000000.0 times it"),
         ("--cap", "inf", "and at most 1000000.0 times it"),
         (
