@@ -2,7 +2,7 @@
 
 use serde_json::json;
 
-use crate::cli::words::counted;
+use crate::text::count::counted;
 use crate::cli::{Common, print_json, say};
 use crate::engine::error::Result;
 use crate::engine::leftover::remove_leftovers;

@@ -42,8 +42,8 @@ fn what_the_last_runs_used_stays_and_the_rest_goes() {
 fn what_a_lock_names_stays_however_many_runs_ago() {
     let mut house = House::new();
     let lock = house.run().locked();
-    let committed = house.path("checkout/toy.lock");
-    fs::create_dir(house.path("checkout")).expect("a folder can be made");
+    let committed = house.path("artifacts/toy.lock");
+    fs::create_dir_all(house.path("artifacts")).expect("a folder can be made");
     fs::write(&committed, lock.text()).expect("a lock can be written");
     for seed in 1..=4 {
         house.edits.clear();
@@ -205,8 +205,8 @@ fn a_stranger_s_file_in_a_folder_of_the_store_stays() {
 #[test]
 fn a_lock_that_cannot_be_read_stops_the_collection() {
     let house = House::lived_in(&[]);
-    fs::create_dir(house.path("checkout")).expect("a folder can be made");
-    fs::write(house.path("checkout/toy.lock"), [0xff, 0xfe]).expect("a lock can be written");
+    fs::create_dir_all(house.path("artifacts")).expect("a folder can be made");
+    fs::write(house.path("artifacts/toy.lock"), [0xff, 0xfe]).expect("a lock can be written");
     let before = house.files_in("store/objects");
     let error = house.gc(0, false).expect_err("what the lock keeps is not known");
     assert!(error.to_string().contains("read the lock"), "{error}");

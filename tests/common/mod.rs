@@ -184,7 +184,7 @@ impl House {
     pub(crate) fn gc(&self, bound: u64, dry: bool) -> Result<Sweep, Error> {
         let disk = (self.disk)(Store::disk(&self.path("store"))?);
         let alone = Alone::wait(disk, &|| ())?;
-        let locks = lock::committed(&self.path("checkout"), &|stem| stem == "toy")?;
+        let locks = lock::committed(&self.checkout().artifacts(), &|stem| stem == "toy")?;
         let sweep = gc::plan(alone.store(), &self.pipeline, &locks, bound)?;
         if !dry {
             alone.carry_out(&sweep)?;
@@ -214,7 +214,17 @@ impl House {
         encounter::engine::codec::decode(&bytes).expect("the bytes are of this type")
     }
 
+    /// Walks until nothing is left in the store that no stage has made.
     fn walk(&self, targets: &[&str], then: impl Fn(&Run<'_>)) -> Done {
+        loop {
+            let done = self.walk_once(targets, &then);
+            if !matches!(done.outcome, Err(Error::Distrusted { .. })) {
+                return done;
+            }
+        }
+    }
+
+    fn walk_once(&self, targets: &[&str], then: impl Fn(&Run<'_>)) -> Done {
         let graph = self.graph(targets).expect("the parameters are in order");
         let store = match self.open() {
             Ok(store) => store,

@@ -157,7 +157,10 @@ fn damage(folder: &Path, path: &Path, other: &Path, damage: Damage) {
         Damage::FlipLast => return write(flipped(good.len().saturating_sub(2))),
         Damage::Longer => return write([good.as_slice(), b"and more"].concat()),
         Damage::Zeros => return write(vec![0; good.len()]),
-        Damage::Swapped => return drop(fs::copy(other, path).expect("the file can be replaced")),
+        Damage::Swapped => {
+            fs::copy(other, path).expect("the file can be replaced");
+            return;
+        }
         _ => fs::remove_file(path).expect("the file can be removed"),
     }
     let made = match damage {
