@@ -137,12 +137,13 @@ impl State {
         )
     }
 
-    /// Enough groups for every sample.
+    /// Enough groups for every sample and every failed run, so that a later batch never lacks one.
     pub(crate) fn check_groups(&self, place: impl Display, groups: &[Group]) -> Result<(), Refusal> {
-        if groups.len() > self.total as usize {
+        let taken = self.total as usize + self.told.iter().filter(|told| told.r.is_none()).count();
+        if groups.len() > taken {
             return Ok(());
         }
-        let expected = format!("more than {} groups, since none is taken twice", self.total);
+        let expected = format!("more than {taken} groups, since no sample and no failed run takes one twice");
         Err(refusal(place, expected, groups.len(), "give a longer record"))
     }
 }

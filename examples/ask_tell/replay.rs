@@ -69,6 +69,7 @@ struct Draws<'a> {
 impl Replay {
     /// Goes through the sequence again; `place` is the file to blame.
     pub(crate) fn of(state: &State, groups: &[Group], place: impl Display) -> Result<Self, Refusal> {
+        state.check_groups(&place, groups)?;
         let (sea, settings, design) = (state.scales(), state.settings(), state.design());
         let points: Vec<[f64; 2]> = groups.iter().map(|g| [ln(g.l / sea.t_p), g.a / sea.h_s]).collect();
         let input = Input::on_nodes(Quadrature::new(&points, settings.vhgp_best.quadrature));

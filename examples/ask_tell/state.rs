@@ -207,7 +207,6 @@ impl State {
                 next,
             ));
         }
-        self.check_groups(path.display(), &groups)?;
         Ok(groups)
     }
 

@@ -121,6 +121,28 @@ fn a_simulator_that_always_fails_is_stopped_with_a_word() {
 }
 
 #[test]
+fn a_sea_without_groups_to_spare_refuses_the_failure_and_not_the_maxima_after_it() {
+    let stranger = Stranger::without_sequence();
+    let text = stranger.text("groups.csv");
+    let first: Vec<&str> = text.lines().take(1 + 40).collect();
+    stranger.file("groups.csv", &(first.join("\n") + "\n"));
+    stranger.said(&super::begin("36"));
+    for i in [0, 1, 2] {
+        stranger.said(&["ask", "DIR"]);
+        fail(&stranger, &[i]);
+    }
+    stranger.said(&["ask", "DIR"]);
+    let sample = *stranger.batch().keys().nth(5).expect("30 samples are asked for");
+    stranger.file("maxima.csv", &format!("sample,r\n{sample},failed\n"));
+    let why = stranger.refused(&["tell", "DIR", "DIR/maxima.csv"]);
+    assert!(
+        why.contains("expected more than 40 groups, since no sample and no failed run"),
+        "{why}"
+    );
+    assert!(stranger.to_the_end().starts_with("36 of 36 told, 3 failed"));
+}
+
+#[test]
 fn no_exceedance_gives_an_upper_bound_and_only_exceedances_a_lower_one() {
     // 1 - 0.05^(1/30).
     let bound = 0.095_034;

@@ -351,7 +351,7 @@ fn a_sequence_is_begun_once_with_sound_numbers_and_keeps_its_groups() {
         ),
         (
             lines[..37].join("\n") + "\n",
-            "groups.csv: expected more than 36 groups, since none is taken twice, found 36",
+            "groups.csv: expected more than 36 groups, since no sample and no failed run takes one twice, found 36",
         ),
         (
             "field,t_c,l,a\n0,50,-3,2\n".to_owned(),
