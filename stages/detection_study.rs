@@ -67,9 +67,17 @@ impl Stage for DetectionVaried {
         p.truth.check().map_err(|why| format!("truth.{why}"))?;
         let thresholds = &p.detection_study.similarity_thresholds;
         let since = "the record is detected and rolled anew for each";
-        at_most("detection_study.similarity_thresholds", thresholds.len() as u64, MOST_THRESHOLDS, since)?;
-        if p.detection_study.fields == 0 || thresholds.is_empty() {
-            return Err("detection_study: expected fields >= 1 and a similarity threshold, found none".to_owned());
+        at_most(
+            "detection_study.similarity_thresholds",
+            thresholds.len() as u64,
+            MOST_THRESHOLDS,
+            since,
+        )?;
+        if p.detection_study.fields == 0 {
+            return Err("detection_study.fields: expected a whole number >= 1, found 0".to_owned());
+        }
+        if thresholds.is_empty() {
+            return Err("detection_study.similarity_thresholds: expected at least one number, found none".to_owned());
         }
         thresholds.iter().try_for_each(|threshold| {
             let detection = p.with_threshold(*threshold);

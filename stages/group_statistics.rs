@@ -93,14 +93,24 @@ impl Stage for GroupStatistics {
         all_within("density.bandwidth", &density.bandwidth, 1.0 / LARGEST, LARGEST)?;
         let points = u64::from(density.points) * u64::from(density.points);
         let since = format!("each is added at up to {points} points");
-        at_most("density.groups", u64::from(density.groups), MOST_SUMMANDS / points, &since)?;
+        at_most(
+            "density.groups",
+            u64::from(density.groups),
+            MOST_SUMMANDS / points,
+            &since,
+        )?;
         Ok(())
     }
 
     fn check_counts(p: &Params, count: &dyn Fn(&str) -> u64) -> std::result::Result<(), String> {
         let periods = u64::from(p.record.periods_per_field);
         let since = format!("the sizes of all groups of so many times {periods} T_p are held in memory at once");
-        at_most("record.fields", count("record.fields"), LONGEST_RECORD / periods, &since)
+        at_most(
+            "record.fields",
+            count("record.fields"),
+            LONGEST_RECORD / periods,
+            &since,
+        )
     }
 
     fn check_output(p: &Params, _: Range<u64>, output: &Statistics) -> std::result::Result<(), String> {

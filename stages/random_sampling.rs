@@ -59,9 +59,19 @@ impl Stage for RandomSampling {
     fn check(p: &Params) -> std::result::Result<(), String> {
         let samples = &p.random_sampling.samples;
         let (number, largest) = (samples.len() as u64, u64::from(samples.last().copied().unwrap_or(0)));
-        at_most("random_sampling.samples", number, MOST_SIZES, "each is a point of Figure 5")
-            .map_err(|why| format!("{why} numbers"))?;
-        at_most("random_sampling.samples", largest, MOST_SAMPLES, "every realisation draws so many")?;
+        at_most(
+            "random_sampling.samples",
+            number,
+            MOST_SIZES,
+            "each is a point of Figure 5",
+        )
+        .map_err(|why| format!("{why} numbers"))?;
+        at_most(
+            "random_sampling.samples",
+            largest,
+            MOST_SAMPLES,
+            "every realisation draws so many",
+        )?;
         let total = u64::from(p.vhgp_seq.total);
         at_most("vhgp_seq.total", total, MOST_SAMPLES, "every realisation draws so many")?;
         let ascending = samples.windows(2).all(|pair| pair[0] < pair[1]);

@@ -68,7 +68,12 @@ impl Stage for SamplingFloor {
         let settings = &p.sampling_floor;
         mesh("sampling_floor.nodes", settings.nodes)?;
         let since = "the design is sought among all monomials up to it";
-        at_most("sampling_floor.degree", u64::from(settings.degree), HIGHEST_DEGREE, since)?;
+        at_most(
+            "sampling_floor.degree",
+            u64::from(settings.degree),
+            HIGHEST_DEGREE,
+            since,
+        )?;
         if settings.nodes.iter().any(|n| *n < 2) {
             let nodes = settings.nodes;
             return Err(format!(

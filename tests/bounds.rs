@@ -43,12 +43,23 @@ fn variants(value: &Value) -> Vec<Value> {
                 rows[i] = new;
                 Value::Array(rows)
             };
-            let inner = |(i, row): (usize, &Value)| variants(row).into_iter().map(move |new| replaced(i, new)).collect::<Vec<_>>();
+            let inner = |(i, row): (usize, &Value)| {
+                variants(row)
+                    .into_iter()
+                    .map(move |new| replaced(i, new))
+                    .collect::<Vec<_>>()
+            };
             let mut all: Vec<Value> = rows.iter().enumerate().flat_map(inner).collect();
             all.push(Value::Array(Vec::new()));
             if let Some(first) = rows.first() {
                 all.push(Value::Array(vec![first.clone(); 5_000]));
-                let ascending = (1..=5_000).map(|i| if first.is_float() { Value::Float(f64::from(i)) } else { Value::Integer(i64::from(i)) });
+                let ascending = (1..=5_000).map(|i| {
+                    if first.is_float() {
+                        Value::Float(f64::from(i))
+                    } else {
+                        Value::Integer(i64::from(i))
+                    }
+                });
                 all.push(Value::Array(ascending.collect()));
             }
             all
@@ -59,7 +70,12 @@ fn variants(value: &Value) -> Vec<Value> {
                 table.insert(key.clone(), new);
                 Value::Table(table)
             };
-            let inner = |(key, value): (&String, &Value)| variants(value).into_iter().map(|new| replaced(key, new)).collect::<Vec<_>>();
+            let inner = |(key, value): (&String, &Value)| {
+                variants(value)
+                    .into_iter()
+                    .map(|new| replaced(key, new))
+                    .collect::<Vec<_>>()
+            };
             table.iter().flat_map(inner).collect()
         }
         _ => Vec::new(),
@@ -72,7 +88,9 @@ fn assignments() -> Vec<(String, String)> {
     let mut all = Vec::new();
     for leaf in params.leaves() {
         let value = params.get(&leaf).expect("a leaf has a value");
-        let of_leaf = variants(value).into_iter().map(|new| (leaf.to_string(), format!("{leaf}={new}")));
+        let of_leaf = variants(value)
+            .into_iter()
+            .map(|new| (leaf.to_string(), format!("{leaf}={new}")));
         all.extend(of_leaf);
     }
     all
@@ -90,14 +108,16 @@ fn graph(assignment: &str) -> Result<Graph, String> {
 
 #[test]
 fn every_number_at_its_extremes_is_refused_by_name_or_of_a_size_that_can_be_held() {
-    let (mut refused, mut accepted) = (BTreeSet::new(), 0);
+    let (mut refused, mut accepted, mut wrong) = (BTreeSet::new(), 0, Vec::new());
     for (path, assignment) in assignments() {
         match graph(&assignment) {
             Err(why) => {
                 let key = path.rsplit('.').next().expect("a last key");
-                assert!(why.contains(key), "{assignment}: {why}");
-                assert!(why.contains("expected ") && why.contains("found "), "{assignment}: {why}");
-                assert!(why.len() < 2_000, "{assignment}: {why}");
+                let told =
+                    why.contains(key) && why.contains("expected ") && why.contains("found ") && why.len() < 2_000;
+                if !told {
+                    wrong.push(why);
+                }
                 refused.insert(path);
             }
             Ok(graph) => {
@@ -107,6 +127,7 @@ fn every_number_at_its_extremes_is_refused_by_name_or_of_a_size_that_can_be_held
             }
         }
     }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
     let with_numbers: BTreeSet<String> = assignments().into_iter().map(|(path, _)| path).collect();
     let never_refused: Vec<&String> = with_numbers.difference(&refused).collect();
     assert!(never_refused.is_empty(), "{never_refused:?}");
@@ -115,9 +136,15 @@ fn every_number_at_its_extremes_is_refused_by_name_or_of_a_size_that_can_be_held
 
 #[test]
 fn a_count_that_is_too_large_names_the_number_that_fits() {
-    for (key, most) in [("vhgp_seq.realisations", 100_000_000_i64), ("record.fields", 100_000_000)] {
+    for (key, most) in [
+        ("vhgp_seq.realisations", 100_000_000_i64),
+        ("record.fields", 100_000_000),
+    ] {
         let why = graph(&format!("{key}={most}")).err().expect("a refusal");
-        let fits = why.split("expected at most ").nth(1).and_then(|rest| rest.split(',').next());
+        let fits = why
+            .split("expected at most ")
+            .nth(1)
+            .and_then(|rest| rest.split(',').next());
         let fits: u64 = fits.and_then(|number| number.parse().ok()).expect("a number that fits");
         assert!(why.starts_with(&format!("--set: {key}: ")), "{why}");
         assert!(graph(&format!("{key}={fits}")).is_ok(), "{key}={fits}");
@@ -129,25 +156,57 @@ fn a_count_that_is_too_large_names_the_number_that_fits() {
 #[test]
 fn sizes_that_never_ended_or_aborted_are_refused_with_the_reason() {
     for (assignment, reason) in [
-        ("vhgp_seq.neighbours=4294967295", "since every draw sorts so many groups"),
-        ("nic.groups_ahead=4294967295", "since every run goes through all of them"),
-        ("vhgp_seq.grid=[4000000000, 4000000000]", "since the model is asked at every node"),
-        ("vhgp_seq.quadrature=[1, 1000000]", "since the model is asked at every node"),
-        ("vhgp_best.quadrature=[100000, 100000]", "since the model is asked at every node"),
-        ("estimate.window=1e7", "since a group has no waves so far from its centre"),
-        ("estimate.samples=4294967295", "since all sampled groups are held in memory"),
+        (
+            "vhgp_seq.neighbours=4294967295",
+            "since every draw sorts so many groups",
+        ),
+        (
+            "nic.groups_ahead=4294967295",
+            "since every run goes through all of them",
+        ),
+        (
+            "vhgp_seq.grid=[4000000000, 4000000000]",
+            "since the model is asked at every node",
+        ),
+        (
+            "vhgp_seq.quadrature=[1, 1000000]",
+            "since the model is asked at every node",
+        ),
+        (
+            "vhgp_best.quadrature=[100000, 100000]",
+            "since the model is asked at every node",
+        ),
+        (
+            "estimate.window=1e7",
+            "since a group has no waves so far from its centre",
+        ),
+        (
+            "estimate.samples=4294967295",
+            "since all sampled groups are held in memory",
+        ),
         ("vhgp_seq.fit.restarts=100000", "since each is a fit of its own"),
         ("vhgp_seq.fit.memory=4294967295", "since every pair of vectors is kept"),
-        ("vhgp_seq.total=4294967295", "since the time of every fit grows with the cube"),
+        (
+            "vhgp_seq.total=4294967295",
+            "since the time of every fit grows with the cube",
+        ),
         ("pic.periods=4294967295", "since the ensemble takes"),
-        ("sampling_floor.degree=4294967295", "since the design is sought among all monomials"),
-        ("random_sampling.samples=[4294967295]", "since every realisation draws so many"),
+        (
+            "sampling_floor.degree=4294967295",
+            "since the design is sought among all monomials",
+        ),
+        (
+            "random_sampling.samples=[4294967295]",
+            "since every realisation draws so many",
+        ),
         ("calibration.fields=10000000", "in 4 seas, are held in memory at once"),
         ("record.fields=900000", "the sizes of all groups"),
         ("record.lead_in=1e5", "steps of the roll before each field"),
         ("sea.S1.peak_period=0.01", "steps of the roll before each field"),
     ] {
-        let why = graph(assignment).err().unwrap_or_else(|| panic!("{assignment}: expected a refusal"));
+        let why = graph(assignment)
+            .err()
+            .unwrap_or_else(|| panic!("{assignment}: expected a refusal"));
         assert!(why.contains(reason), "{assignment}: {why}");
     }
 }
@@ -163,14 +222,29 @@ fn accepted_extremes_run_to_an_end_within_four_gigabytes_and_a_minute() {
             continue;
         }
         let program = Program::new("tiny");
-        let run = program.command(&["run", "-j", "1", "--set", "run.seas=[\"S1\",\"S2\"]", "--set", &assignment]);
+        let run = program.command(&[
+            "run",
+            "-j",
+            "1",
+            "--set",
+            "run.seas=[\"S1\",\"S2\"]",
+            "--set",
+            &assignment,
+        ]);
         let mut limited = Command::new("sh");
-        limited.args(["-c", "ulimit -v 4000000; exec timeout 60 \"$0\" \"$@\""]).arg(run.get_program()).args(run.get_args());
+        limited
+            .args(["-c", "ulimit -v 4000000; exec timeout 60 \"$0\" \"$@\""])
+            .arg(run.get_program())
+            .args(run.get_args());
         let said = limited.output().expect("the binary runs");
         let text = String::from_utf8_lossy(&said.stderr).into_owned();
         let ended = matches!(said.status.code(), Some(0..=3 | 5));
         let panicked = text.contains("panicked");
-        println!("{:?} {path}: {}", said.status.code(), assignment.chars().take(120).collect::<String>());
+        println!(
+            "{:?} {path}: {}",
+            said.status.code(),
+            assignment.chars().take(120).collect::<String>()
+        );
         if !ended || panicked {
             bad.push(format!("{:?} {assignment}: {text}", said.status));
         }

@@ -176,7 +176,12 @@ const COORDINATE: f64 = 1e6;
 fn sizes(total: u32, batch: u32, neighbours: u32) -> Result<(), String> {
     let cube = "the time of every fit grows with the cube of the samples";
     at_most("total", u64::from(total), MOST_SAMPLES, cube)?;
-    at_most("batch", u64::from(batch), MOST_SAMPLES, "no realisation has more samples")?;
+    at_most(
+        "batch",
+        u64::from(batch),
+        MOST_SAMPLES,
+        "no realisation has more samples",
+    )?;
     let sorted = "every draw sorts so many groups";
     at_most("neighbours", u64::from(neighbours), MOST_NEIGHBOURS, sorted)
 }
@@ -248,7 +253,12 @@ impl LookAhead {
             return Err(format!("tau: expected numbers >= 0, found {:?}", self.tau));
         }
         all_within("tau", &self.tau, 0.0, COORDINATE)?;
-        at_most("batch", u64::from(self.batch), MOST_SAMPLES, "no realisation has more samples")?;
+        at_most(
+            "batch",
+            u64::from(self.batch),
+            MOST_SAMPLES,
+            "no realisation has more samples",
+        )?;
         mesh("quadrature", self.quadrature)?;
         if self.cap <= 1.0 {
             return Err(format!("cap: expected more than 1 (theta_t), found {}", self.cap));

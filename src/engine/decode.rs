@@ -68,7 +68,11 @@ impl serde::de::Error for What {
     }
 
     fn unknown_variant(found: &str, known: &'static [&'static str]) -> Self {
-        Self::Said(format!("expected {}, found `{found}`{}", one_of(known), nearest(found, known.iter().copied())))
+        Self::Said(format!(
+            "expected {}, found `{found}`{}",
+            one_of(known),
+            nearest(found, known.iter().copied())
+        ))
     }
 
     fn unknown_field(found: &str, known: &'static [&'static str]) -> Self {
@@ -176,10 +180,7 @@ impl<'de> Deserializer<'de> for Traced<'_, '_> {
                 })?;
                 match rest.next() {
                     None => Ok(decoded),
-                    Some((read, _)) => Err(What::invalid_length(
-                        values.len(),
-                        &format!("{read} elements").as_str(),
-                    )),
+                    Some((read, _)) => Err(What::invalid_length(values.len(), &format!("{read} elements").as_str())),
                 }
             }
             Value::Table(table) => visitor.visit_map(Entries {
@@ -187,10 +188,7 @@ impl<'de> Deserializer<'de> for Traced<'_, '_> {
                 rest: table.iter(),
                 value: None,
             }),
-            Value::Datetime(date) => Err(What::invalid_type(
-                Unexpected::Other(&format!("date {date}")),
-                &visitor,
-            )),
+            Value::Datetime(date) => Err(What::invalid_type(Unexpected::Other(&format!("date {date}")), &visitor)),
         }
     }
 

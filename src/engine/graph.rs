@@ -374,18 +374,23 @@ impl<'a> Builder<'a> {
 
     /// Counts the pieces of all wanted nodes before any of them is made.
     fn check_size(&self) -> Result<()> {
-        let mut of_keys: BTreeMap<&str, u64> = BTreeMap::new();
+        // Per key: the pieces that it counts, and their nodes.
+        let mut of_keys: BTreeMap<&str, (u64, u64)> = BTreeMap::new();
         for (place, _) in self.wanted.keys() {
             if let Some((key, size)) = self.counted_by(*place) {
-                *of_keys.entry(key).or_default() += self.params.count(key)?.div_ceil(size);
+                let (pieces, nodes) = of_keys.entry(key).or_default();
+                *pieces += self.params.count(key)?.div_ceil(size);
+                *nodes += 1;
             }
         }
-        let total: u64 = of_keys.values().sum();
-        let largest = of_keys.iter().max_by_key(|(_, pieces)| **pieces);
-        let Some((key, pieces)) = largest.filter(|_| total > MOST_PIECES) else {
+        let total: u64 = of_keys.values().map(|(pieces, _)| pieces).sum();
+        let largest = of_keys.iter().max_by_key(|(_, (pieces, _))| *pieces);
+        let Some((key, (pieces, nodes))) = largest.filter(|_| total > MOST_PIECES) else {
             return Ok(());
         };
-        let (count, left) = (self.params.count(key)?, MOST_PIECES.saturating_sub(total - pieces));
+        // The last piece of each node may be in part.
+        let left = MOST_PIECES.saturating_sub(total - pieces + nodes);
+        let count = self.params.count(key)?;
         let fits = u128::from(count) * u128::from(left) / u128::from(*pieces);
         let message = format!(
             "expected at most {fits}, since the run would have {total} pieces and its plan holds {MOST_PIECES}, found {count}"

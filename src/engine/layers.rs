@@ -64,7 +64,13 @@ impl Origins {
         let below = |(key, value): (&Spanned<_>, &Spanned<DeValue<'_>>)| {
             let place = Some(at(key.span().start));
             let name: &std::borrow::Cow<'_, str> = key.get_ref();
-            (name.to_string(), Self { place, ..Self::of_value(value, at) })
+            (
+                name.to_string(),
+                Self {
+                    place,
+                    ..Self::of_value(value, at)
+                },
+            )
         };
         Self {
             place: None,

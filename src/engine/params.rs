@@ -119,7 +119,8 @@ impl ParamsFile {
     pub fn get(&self, path: &KeyPath) -> Option<&Value> {
         let (first, rest) = path.0.split_first()?;
         let Step::Key(first) = first else { return None };
-        rest.iter().try_fold(self.values.get(first)?, |value, step| step_into(value, step))
+        rest.iter()
+            .try_fold(self.values.get(first)?, |value, step| step_into(value, step))
     }
 
     /// All parameters in force as TOML that can be used as an overlay.

@@ -243,7 +243,9 @@ impl Pipeline {
         let is_axis = |axis: &Axis| path.first() == Some(axis.table);
         if self.axes.iter().any(is_axis) {
             // Keys of one [sea.*] are keys of all of them.
-            let siblings = known.iter().filter(|leaf| leaf.first() == path.first() && leaf.0.len() > 2);
+            let siblings = known
+                .iter()
+                .filter(|leaf| leaf.first() == path.first() && leaf.0.len() > 2);
             let own = siblings.map(|leaf| KeyPath([table, &leaf.0[2..]].concat()).to_string());
             names.extend(own);
         }

@@ -33,14 +33,16 @@ pub fn execute(run: &Run<'_>, workers: usize) -> Result<()> {
     std::thread::scope(|scope| {
         // The housekeeper first: the workers may take all threads that are left.
         helper(scope, || keep_house(run, &queue))?;
-        let started = pool(workers).map(|pool| pool.broadcast(|_| {
-            while let Some((node, piece)) = queue.take(run) {
-                // A piece that is never finished would keep the other workers waiting.
-                let outcome = catch_unwind(AssertUnwindSafe(|| step(run, node, piece)));
-                let outcome = outcome.unwrap_or_else(|_| Err(panicked(run, node, piece)));
-                queue.finish(run.graph, node, piece, outcome);
-            }
-        }));
+        let started = pool(workers).map(|pool| {
+            pool.broadcast(|_| {
+                while let Some((node, piece)) = queue.take(run) {
+                    // A piece that is never finished would keep the other workers waiting.
+                    let outcome = catch_unwind(AssertUnwindSafe(|| step(run, node, piece)));
+                    let outcome = outcome.unwrap_or_else(|_| Err(panicked(run, node, piece)));
+                    queue.finish(run.graph, node, piece, outcome);
+                }
+            })
+        });
         queue.close();
         started
     })?;

@@ -101,9 +101,24 @@ impl Fitting {
     /// # Errors
     /// A sentence naming the key, what was expected and what was found.
     pub fn check(&self, dimensions: usize) -> Result<(), String> {
-        at_most("fit.restarts", u64::from(self.restarts), 100, "each is a fit of its own")?;
-        at_most("fit.iterations", u64::from(self.iterations), 10_000, "a fit that needs more does not converge")?;
-        at_most("fit.memory", u64::from(self.memory), 1000, "every pair of vectors is kept and gone through in each step")?;
+        at_most(
+            "fit.restarts",
+            u64::from(self.restarts),
+            100,
+            "each is a fit of its own",
+        )?;
+        at_most(
+            "fit.iterations",
+            u64::from(self.iterations),
+            10_000,
+            "a fit that needs more does not converge",
+        )?;
+        at_most(
+            "fit.memory",
+            u64::from(self.memory),
+            1000,
+            "every pair of vectors is kept and gone through in each step",
+        )?;
         all_within("fit.jitter", &[self.jitter], 0.0, 1.0)?;
         all_within("fit.mu_0", &self.mu_0, -LOGARITHM, LOGARITHM)?;
         all_within("fit.log_lambda", &self.log_lambda, -LOGARITHM, LOGARITHM)?;

@@ -33,7 +33,8 @@ pub fn positive<'de, D: Deserializer<'de>>(d: D) -> Result<f64, D::Error> {
     if value >= LEAST {
         return Ok(value);
     }
-    let why = format!("expected a number > 0, at least {LEAST:e}, since powers of its inverse overflow, found {value:e}");
+    let why =
+        format!("expected a number > 0, at least {LEAST:e}, since powers of its inverse overflow, found {value:e}");
     Err(D::Error::custom(why))
 }
 

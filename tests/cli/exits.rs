@@ -24,9 +24,14 @@ fn a_stage_that_fails_is_exit_1_and_listed() {
         "{failed}"
     );
     assert!(said.stderr.contains("no wave group was detected"), "{}", said.stderr);
-    let blamed = "0 passed the pre-check, 0 the fit and the post-check, and 0 the removal of overlaps; expected a lower";
+    let blamed =
+        "0 passed the pre-check, 0 the fit and the post-check, and 0 the removal of overlaps; expected a lower";
     assert!(said.stderr.contains(blamed), "{}", said.stderr);
-    assert!(said.stderr.contains("`detection.smallest_amplitude`"), "{}", said.stderr);
+    assert!(
+        said.stderr.contains("`detection.smallest_amplitude`"),
+        "{}",
+        said.stderr
+    );
     assert!(
         said.stderr.contains("nodes are not done; the others are kept"),
         "{}",

@@ -38,8 +38,13 @@ fn open_to_all(program: &Program) {
 fn a_system_without_threads_is_exit_5_and_says_so() {
     let program = Program::new("tiny");
     open_to_all(&program);
-    for arguments in [&["run", "fig2_flowchart"] as &[&str], &["run", "wave_synthesis/S1", "-j", "8"]] {
-        let Some(said) = limited(&program, 1, arguments) else { return };
+    for arguments in [
+        &["run", "fig2_flowchart"] as &[&str],
+        &["run", "wave_synthesis/S1", "-j", "8"],
+    ] {
+        let Some(said) = limited(&program, 1, arguments) else {
+            return;
+        };
         let text = String::from_utf8_lossy(&said.stderr).into_owned();
         assert_eq!(said.status.code(), Some(5), "{text}");
         assert!(text.contains("error: cannot start a thread: "), "{text}");
@@ -47,7 +52,9 @@ fn a_system_without_threads_is_exit_5_and_says_so() {
         assert!(!text.contains("panicked"), "{text}");
     }
     // What needs no thread is served.
-    let Some(said) = limited(&program, 1, &["status", "fig2_flowchart"]) else { return };
+    let Some(said) = limited(&program, 1, &["status", "fig2_flowchart"]) else {
+        return;
+    };
     assert_eq!(said.status.code(), Some(0), "{}", String::from_utf8_lossy(&said.stderr));
 }
 
@@ -59,6 +66,8 @@ fn a_system_with_few_threads_runs_on_those() {
     }
     let program = Program::new("tiny");
     open_to_all(&program);
-    let Some(said) = limited(&program, 5, &["run", "wave_synthesis/S1", "-j", "64"]) else { return };
+    let Some(said) = limited(&program, 5, &["run", "wave_synthesis/S1", "-j", "64"]) else {
+        return;
+    };
     assert_eq!(said.status.code(), Some(0), "{}", String::from_utf8_lossy(&said.stderr));
 }

@@ -16,7 +16,13 @@ fn the_last_count_is_that_of_the_groups_detected() {
     let groups: usize = detect(&rho, &d).fields.iter().map(Vec::len).sum();
     assert_eq!((counts.fields, counts.groups), (9, groups));
     assert!(groups > 0);
-    let steps = [counts.seeds, counts.minima, counts.prechecked, counts.fitted, counts.groups];
+    let steps = [
+        counts.seeds,
+        counts.minima,
+        counts.prechecked,
+        counts.fitted,
+        counts.groups,
+    ];
     assert!(steps.windows(2).all(|pair| pair[0] >= pair[1]), "{steps:?}");
     assert_eq!(counts.remedy(), "expected a longer record");
 }
@@ -40,7 +46,10 @@ fn the_step_that_leaves_none_is_the_one_that_is_blamed() {
     assert!(similar.prechecked > 0);
     assert!(similar.remedy().contains("`detection.similarity_threshold`"));
     let text = similar.to_string();
-    let said = format!("in 9 fields {} seeds led to {} minima, of which", similar.seeds, similar.minima);
+    let said = format!(
+        "in 9 fields {} seeds led to {} minima, of which",
+        similar.seeds, similar.minima
+    );
     assert!(text.starts_with(&said), "{text}");
 }
 
