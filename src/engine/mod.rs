@@ -28,7 +28,8 @@
 //! the checkout, not in the store (`checkout`). Publication: object, then record, each by a temporary file and a rename, synchronised before the record
 //! counts. An object without a record is garbage, never a lie. A record whose object is damaged is healed as soon as that is
 //! seen; one whose object was deleted when somebody needs it. Made again, it is required to have its recorded id. No NaN
-//! and no infinity gets into an artifact (`finite`).
+//! and no infinity gets into an artifact (`finite`), and none that breaks a rule of its stage (`Stage::check_output`). Both
+//! are asked again when an artifact enters a stage: its hash says that the bytes are whole, not who made them.
 //!
 //! Several runs may share a store: `locks/KEY` is locked while its piece is made and until its record can be read, so each
 //! key is made once; the kernel frees the lock of a process that dies. `store.lock` is held shared by every verb, and by
