@@ -204,9 +204,8 @@ fn look(place: usize) -> Stroke {
 
 /// Thresholds from zero to the largest of all.
 fn threshold_axis(study: Option<&Study>) -> Axis {
-    let last = study.and_then(|study| study.by_time.theta_t.last().copied());
-    let largest = last.filter(|last| *last > 0.0).unwrap_or(1.0);
-    Axis::linear(0.0, largest, 6, "threshold *θ*_{t} (rad)")
+    let all = study.iter().flat_map(|study| &study.by_time.theta_t);
+    Axis::thresholds(all.copied())
 }
 
 /// Ratios from the fifth below the smallest to the fifth above the largest, four at most.
