@@ -29,6 +29,7 @@ use encounter::design::sequence::Sequence;
 use encounter::design::sequential::{Design, Input};
 use encounter::design::settings::{LookAhead, Shared};
 use encounter::numerics::elementary::{cos, exp, ln};
+use encounter::text::count::counted;
 use files::{Refusal, line, read, refusal, table, write};
 use rand_chacha::ChaCha12Rng;
 use rand_chacha::rand_core::SeedableRng;
@@ -286,7 +287,7 @@ fn begin(folder: &Path, state: &State) -> Result<String, Refusal> {
         ));
     }
     save(folder, state)?;
-    Ok(format!("{} groups; now ask", groups.len()))
+    Ok(format!("{}; now ask", counted(groups.len(), "group")))
 }
 
 /// Writes what is to be simulated next.
@@ -319,7 +320,11 @@ fn ask(folder: &Path) -> Result<String, Refusal> {
     }
     write(&folder.join("waves.csv"), &waves)?;
     write(&folder.join("batch.csv"), &batch)?;
-    Ok(format!("{} samples to simulate, {} told", open.len(), state.told.len()))
+    Ok(format!(
+        "{} to simulate, {} told",
+        counted(open.len(), "sample"),
+        state.told.len()
+    ))
 }
 
 /// Takes all maxima of a file, or none if one of them cannot be.
@@ -355,7 +360,11 @@ fn tell(folder: &Path, maxima: &Path) -> Result<String, Refusal> {
     let known = replay.estimates.last();
     let estimate = known.map_or("no estimate yet".to_owned(), |(n, p, std)| {
         let std = std.map_or("unknown".to_owned(), |std| format!("{std:.5}"));
-        format!("P(r > {}) = {p:.5} +- {std} from {n} samples", state.theta_t)
+        format!(
+            "P(r > {}) = {p:.5} +- {std} from {}",
+            state.theta_t,
+            counted(n, "sample")
+        )
     });
     let total = state.vhgp_seq.total as usize;
     let then = if state.told.len() == total { "done" } else { "now ask" };
