@@ -22,16 +22,10 @@ pub fn smoothed(p: f64, n: f64) -> f64 {
     (p * n + 0.5) / (n + 1.0)
 }
 
-/// The term of a sea in which no group is in the statistics: nothing measured never agrees.
-const NO_DATA: f64 = 1000.0;
-
 /// The terms of (C1) before squaring, one per sea.
 pub fn residuals(tallies: &[Tally], targets: &[&Target], relative_error: f64) -> Vec<f64> {
     let of = |(tally, target): (&Tally, &&Target)| {
         let n = tally.groups(TABLE);
-        if n <= 0.0 {
-            return NO_DATA;
-        }
         let counted = if tally.met > 0 { tally.met as f64 } else { 1.0 };
         let sigma = (relative_error * relative_error + 1.0 / (target.p_true * counted)).sqrt();
         ln(smoothed(tally.probability(TABLE), n) / target.p_true) / sigma

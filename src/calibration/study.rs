@@ -92,10 +92,12 @@ impl Study<'_> {
         let members = minimise(&bounds, effort, stream, |points| {
             evaluations += points.len() as u64;
             let trials = self.trials(&candidates(&search, points));
-            accepted.extend(trials.iter().filter(|it| it.misfit < self.settings.accepted).cloned());
-            trials.iter().map(|trial| trial.cost).collect()
+            // A candidate all of whose fields were discarded has met nothing that it could agree with.
+            let agrees = |it: &&(Trial, bool)| it.1 && it.0.misfit < self.settings.accepted;
+            accepted.extend(trials.iter().filter(agrees).map(|(trial, _)| trial.clone()));
+            trials.iter().map(|(trial, _)| trial.cost).collect()
         });
-        let best = self.trials(&candidates(&search, &[members[0].x.clone()])).remove(0);
+        let (best, _) = self.trials(&candidates(&search, &[members[0].x.clone()])).remove(0);
         Found {
             search,
             best,
@@ -104,8 +106,8 @@ impl Study<'_> {
         }
     }
 
-    /// How candidates do on the fields of the search.
-    fn trials(&self, candidates: &[Candidate]) -> Vec<Trial> {
+    /// How candidates do on the fields of the search, and whether every sea has groups in their statistics.
+    fn trials(&self, candidates: &[Candidate]) -> Vec<(Trial, bool)> {
         let fields = 0..whole_blocks(self.settings.search_fields);
         let tallies = self.bench.tallies(&fields, candidates);
         let of = |(candidate, tallies): (&Candidate, &Vec<Tally>)| {
@@ -113,12 +115,13 @@ impl Study<'_> {
             let misfit = misfit(tallies, &self.targets(), self.settings.relative_error);
             let ranking = ranking(tallies, &cic);
             let size = self.settings.size_weight * candidate.size();
-            Trial {
+            let trial = Trial {
                 candidate: *candidate,
                 misfit,
                 ranking,
                 cost: misfit + self.settings.ranking_weight * ranking + size,
-            }
+            };
+            (trial, tallies.iter().all(|tally| tally.groups(TABLE) > 0.0))
         };
         candidates.iter().zip(&tallies).map(of).collect()
     }

@@ -384,10 +384,11 @@ impl Ledger {
     fn print_stages(&self, session: &Session) {
         for of in self.by_stage(session) {
             say(format_args!(
-                "{:<14} {:<22} {:>6} pieces {:>9.2} s {:>10.2} MB",
+                "{:<14} {:<22} {:>6} {:<6} {:>9.2} s {:>10.2} MB",
                 of.paper,
                 of.stage,
                 of.pieces,
+                if of.pieces == 1 { "piece" } else { "pieces" },
                 of.seconds,
                 of.bytes as f64 / 1e6
             ));

@@ -74,6 +74,22 @@ impl Axis {
         }
     }
 
+    /// The axis of thresholds (rad), from zero to the largest; a single one stands inside the frame, not upon it.
+    pub fn thresholds(values: impl Iterator<Item = f64>) -> Axis {
+        let (mut largest, mut is_single) = (0.0, true);
+        let mut first = None;
+        for value in values {
+            is_single &= *first.get_or_insert(value) == value;
+            largest = if value > largest { value } else { largest };
+        }
+        let end = match largest {
+            largest if largest > 0.0 && is_single => 1.25 * largest,
+            largest if largest > 0.0 => largest,
+            _ => 1.0,
+        };
+        Axis::linear(0.0, end, 6, "threshold *θ*_{t} (rad)")
+    }
+
     /// A linear axis from zero over the largest of `values`, extended to the next tick.
     pub fn from_zero(values: impl Iterator<Item = f64>, count: u32, label: &str) -> Axis {
         let mut largest = 0.0;

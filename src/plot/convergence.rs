@@ -264,7 +264,12 @@ fn errors_panel(sheet: &mut Sheet, figure: &Convergence) -> Result<(), Error> {
     let lines = figure.errors();
     let panel = panel(1, samples_axis(&figure.all()), error_axis(&lines));
     panel.frame(sheet)?;
-    panel.title(sheet, "(b)", "error of the estimate, bias and spread");
+    let title = if figure.realisations == 1 {
+        "error of the estimate: one realisation tells none"
+    } else {
+        "error of the estimate, bias and spread"
+    };
+    panel.title(sheet, "(b)", title);
     for (points, look) in lines {
         panel.line(sheet, &points, look)?;
     }

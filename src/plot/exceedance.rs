@@ -184,12 +184,7 @@ fn heads(sheet: &mut Sheet, figure: &Exceedance) {
 
 /// Thresholds from zero to the largest of all.
 fn threshold_axis(figure: &Exceedance) -> Axis {
-    let mut largest = 0.0;
-    for theta_t in all_curves(figure).flat_map(|curve| &curve.theta_t) {
-        largest = if *theta_t > largest { *theta_t } else { largest };
-    }
-    let largest = if largest > 0.0 { largest } else { 1.0 };
-    Axis::linear(0.0, largest, 6, "threshold *θ*_{t} (rad)")
+    Axis::thresholds(all_curves(figure).flat_map(|curve| &curve.theta_t).copied())
 }
 
 /// Probabilities from the decade below the smallest positive one, five decades at most, to 1.

@@ -199,13 +199,9 @@ fn heads(sheet: &mut Sheet, figure: &MethodError) {
 
 /// Thresholds from zero to the largest of all.
 fn threshold_axis(figure: &MethodError) -> Axis {
-    let mut largest = 0.0;
     let cells = figure.rows.iter().flat_map(|row| &row.cells);
-    for theta_t in cells.flat_map(|cell| &cell.curves).flat_map(|curve| &curve.theta_t) {
-        largest = if *theta_t > largest { *theta_t } else { largest };
-    }
-    let largest = if largest > 0.0 { largest } else { 1.0 };
-    Axis::linear(0.0, largest, 6, "threshold *θ*_{t} (rad)")
+    let curves = cells.flat_map(|cell| &cell.curves);
+    Axis::thresholds(curves.flat_map(|curve| &curve.theta_t).copied())
 }
 
 /// The band, the line where a method is right, and the methods.

@@ -108,8 +108,12 @@ pub(super) const NOTHING: &str = "–";
 
 /// A probability with the table's digits.
 fn probability(p: Option<f64>) -> String {
-    p.filter(|p| p.is_finite())
-        .map_or(NOTHING.to_owned(), |p| format!("{p:.4}"))
+    match p.filter(|p| p.is_finite()) {
+        None => NOTHING.to_owned(),
+        // Four decimals of it would say that there is none.
+        Some(p) if p > 0.0 && p < 5e-5 => short(round(p)),
+        Some(p) => format!("{p:.4}"),
+    }
 }
 
 /// A probability and its standard error; where none of its groups exceeds, the bound that n of them give.

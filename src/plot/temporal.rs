@@ -82,8 +82,8 @@ pub struct Temporal {
     pub studies: Vec<Study>,
     /// Which of them is drawn.
     pub drawn: usize,
-    /// The similarity threshold that the others are compared with, by its place.
-    pub reference: usize,
+    /// The similarity threshold that the others are compared with, by its place; none if the study leaves it out.
+    pub reference: Option<usize>,
 }
 
 /// Colour and dash of each similarity threshold in turn.
@@ -184,7 +184,11 @@ fn legend(figure: &Temporal) -> Vec<Entry> {
         .first()
         .map_or(&[] as &[Detection], |study| &study.detections);
     for (i, detection) in studied.iter().enumerate() {
-        let reference = if i == figure.reference { " (reference)" } else { "" };
+        let reference = if figure.reference == Some(i) {
+            " (reference)"
+        } else {
+            ""
+        };
         entries.push(Entry {
             sample: Sample::Line(look(i)),
             name: format!("*C*_{{thr}} = {}{reference}", short(detection.similarity_threshold)),
@@ -204,13 +208,12 @@ fn look(place: usize) -> Stroke {
 
 /// Thresholds from zero to the largest of all.
 fn threshold_axis(study: Option<&Study>) -> Axis {
-    let last = study.and_then(|study| study.by_time.theta_t.last().copied());
-    let largest = last.filter(|last| *last > 0.0).unwrap_or(1.0);
-    Axis::linear(0.0, largest, 6, "threshold *θ*_{t} (rad)")
+    let all = study.iter().flat_map(|study| &study.by_time.theta_t);
+    Axis::thresholds(all.copied())
 }
 
 /// Ratios from the fifth below the smallest to the fifth above the largest, four at most.
-fn ratio_axis(study: Option<&Study>, reference: usize) -> Result<Axis, Error> {
+fn ratio_axis(study: Option<&Study>, reference: Option<usize>) -> Result<Axis, Error> {
     let (mut low, mut high) = (0.8, 1.2);
     if let Some(study) = study {
         for (_, points) in compared(study, reference)? {
@@ -242,13 +245,13 @@ type Drawn = (Stroke, Vec<(f64, f64)>);
 
 /// Each similarity threshold's share of groups over that of the reference, and its share of time over that of the roll; with
 /// the look of each.
-fn compared(study: &Study, reference: usize) -> Result<Vec<Drawn>, Error> {
+fn compared(study: &Study, reference: Option<usize>) -> Result<Vec<Drawn>, Error> {
     let mut found = Vec::new();
-    let Some(reference) = study.detections.get(reference) else {
-        return Ok(found);
-    };
+    let reference = reference.and_then(|place| study.detections.get(place));
     for (i, detection) in study.detections.iter().enumerate() {
-        found.push((look(i), ratio(&detection.by_groups, &reference.by_groups)?));
+        if let Some(reference) = reference {
+            found.push((look(i), ratio(&detection.by_groups, &reference.by_groups)?));
+        }
         let thin = Stroke {
             width: style::FINE_LINE,
             ..look(i)

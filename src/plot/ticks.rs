@@ -12,9 +12,9 @@ use super::axes::{Tick, fixed, round_values};
 use crate::text::number::{power_of_ten, short};
 
 /// Plain labels have at most so many decimals.
-const DECIMALS: usize = 5;
+const DECIMALS: usize = 3;
 /// Plain labels stand below this size.
-const SIZE: f64 = 1e6;
+const SIZE: f64 = 1e5;
 /// A range narrower than this share of its ends is labelled from one of them.
 const NARROW: f64 = 1e-4;
 

@@ -152,7 +152,9 @@ pub fn draw(figure: &WaveGroups) -> Result<String, Error> {
     let (low, high) = figure.eta.span(figure.t_p);
     let time = Axis::linear(low, high, 8, "time *t* / *T*_{p}");
     let limit = elevation_limit(figure.eta.largest());
-    let ceiling = elevation_limit(figure.rho.largest());
+    let inside = |group: &&Group| (low..=high).contains(&(group.t_c / figure.t_p));
+    let highest = figure.groups.iter().filter(inside).map(|group| group.a);
+    let ceiling = elevation_limit(highest.fold(figure.rho.largest(), f64::max));
 
     let y = Axis::linear(-limit, limit, 5, "elevation *η* (m)");
     let a = Panel {

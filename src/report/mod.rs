@@ -2,13 +2,13 @@
 //!
 //! | file | holds |
 //! |---|---|
-//! | `evidence` | the published data of one ship, read back from its CSV files |
+//! | `evidence` | the results of one ship as typed numbers, with what is known of their errors |
 //! | `claims`, `claims_sampling` | every claim of the paper as a number and what is expected of it |
 //! | `finding` | the verdict on a claim, computed from both ships |
 //! | `findings_text` | the findings as Markdown and CSV |
 //! | `page` | the static page of figures, tables, findings and parameters |
 //!
-//! Everything is computed from the files that anybody can open: a verdict can be checked with a spreadsheet.
+//! The published CSV files hold the numbers that the verdicts are computed from: each can be checked with a spreadsheet.
 
 pub mod claims;
 mod claims_sampling;

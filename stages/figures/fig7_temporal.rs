@@ -88,7 +88,7 @@ impl Stage for Fig7Temporal {
                 .map(|(e, by_time)| study(&known, e, by_time))
                 .collect(),
             drawn: p.vhgp_seq.epsilon_1_index as usize,
-            reference: known.detections.iter().position(same).unwrap_or(0),
+            reference: known.detections.iter().position(same),
         };
         let svg = draw(&figure).map_err(refused)?;
         let csv = csv(&figure).map_err(refused)?;

@@ -295,14 +295,18 @@ fn the_columns_of_the_plan_stand_below_each_other() {
 
 #[test]
 fn json_is_json_whatever_stands_in_a_folders_name() {
-    let program = Program::new("tiny");
-    let figures = program.path("figures\u{7f}\u{9b}31m\u{202e}").display().to_string();
-    let said = program.call(&["status", "--json", "--figures", &figures]);
-    assert_eq!(said.code, 0, "{}", said.stderr);
+    let folder = tempfile::tempdir().expect("a temporary folder can be made");
+    let hostile = folder.path().join("a\u{7f}\u{9b}31m\u{202e}");
+    fs::create_dir_all(hostile.join("store/objects")).expect("a folder can be made");
+    let program = Program::in_folder("tiny", &hostile);
+    let said = program.call(&["verify", "--store", "--json"]);
     let value: serde_json::Value = serde_json::from_str(&said.stdout).expect("the answer is JSON");
-    assert_eq!(value["format"], 1);
-    let unsafe_ones = ['\u{7f}', '\u{9b}', '\u{202e}'];
-    assert!(!said.stdout.contains(unsafe_ones), "{}", said.stdout);
-    let told = said.stdout.contains("figures\\u007f\\u009b31m\\u202e");
-    assert!(told, "the folder is named: {}", said.stdout);
+    let named = value["store"].as_str().expect("the store is named");
+    assert!(named.contains("a\u{7f}\u{9b}31m\u{202e}"), "{named}");
+    assert!(said.stdout.contains("a\\u007f\\u009b31m\\u202e"), "{}", said.stdout);
+    assert!(
+        !said.stdout.contains(['\u{7f}', '\u{9b}', '\u{202e}']),
+        "{}",
+        said.stdout
+    );
 }

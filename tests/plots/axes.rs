@@ -192,6 +192,14 @@ fn a_logarithmic_axis_within_a_decade_has_labels_too() {
 }
 
 #[test]
+fn a_single_threshold_stands_inside_the_frame() {
+    let single = Axis::thresholds([0.4, 0.4].into_iter());
+    assert!(single.fraction(0.4) < 0.9, "{single:?}");
+    assert_eq!(Axis::thresholds([0.0, 0.6, 1.2].into_iter()).high, 1.2);
+    assert_eq!(Axis::thresholds(std::iter::empty()).high, 1.0);
+}
+
+#[test]
 fn a_tick_at_a_value_has_few_digits() {
     let axis = Axis::at_values([0.1 + 0.2, 1e-5, 123_456.0].into_iter(), "x");
     assert_eq!(labels(&axis), ["10⁻⁵", "0.3", "123456"]);

@@ -371,6 +371,6 @@ pub(crate) fn temporal() -> Temporal {
             detections: vec![detection(0.75, 0.8), detection(0.85, 0.4)],
         }],
         drawn: 0,
-        reference: 0,
+        reference: Some(0),
     }
 }

@@ -23,6 +23,15 @@ fn rows_of_the_whole_record_have_no_detection() {
 }
 
 #[test]
+fn a_study_without_the_reference_names_none_and_compares_with_none() {
+    let mut figure = samples::temporal();
+    let with = draw(&figure).expect("the sample is sound");
+    figure.reference = None;
+    let without = draw(&figure).expect("a study may leave the reference out");
+    assert!(!without.contains("(reference)") && without.len() < with.len());
+}
+
+#[test]
 fn the_reference_is_named_once() {
     let drawn = draw(&samples::temporal()).expect("the samples are sound");
     assert_eq!(drawn.matches("(reference)").count(), 1);
