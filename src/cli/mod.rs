@@ -5,6 +5,7 @@ pub mod doctor;
 pub mod gc;
 pub mod graph;
 mod interrupt;
+mod locked;
 pub mod progress;
 pub mod run;
 mod session;

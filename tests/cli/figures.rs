@@ -39,7 +39,7 @@ fn each_set_of_parameters_has_a_folder_of_its_own_that_says_which_they_are() {
     assert_ne!(text(&first.join("truth.csv")), text(&second.join("truth.csv")));
     // The answer for people names the folder at its end.
     let said = program.exits(0, &small(&["run", "truth", "--set", "run.seed=5"]));
-    let told = format!("1 files in artifacts/figures/{name}, 0 written");
+    let told = format!("1 file in artifacts/figures/{name}, 0 written");
     assert!(said.stdout.contains(&told), "{}", said.stdout);
 
     // The parameters inside give the same figures again, as an overlay of the profile.
