@@ -12,7 +12,7 @@ use crate::engine::graph::Graph;
 use crate::engine::leftover::Due;
 use crate::engine::node::Node;
 use crate::engine::params::ParamsFile;
-use crate::engine::publish::Set;
+use crate::engine::published::Set;
 use crate::engine::store::Store;
 use crate::engine::target::Target;
 use crate::stages::PIPELINE;

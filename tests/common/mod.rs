@@ -17,7 +17,7 @@ use encounter::engine::lock::Lock;
 use encounter::engine::params::ParamsFile;
 use encounter::engine::pipeline::Pipeline;
 use encounter::engine::plan::{NodePlan, Plan};
-use encounter::engine::publish::Set;
+use encounter::engine::published::Set;
 use encounter::engine::rebuild::{Against, Rebuilt};
 use encounter::engine::run::Run;
 use encounter::engine::store::Store;
