@@ -66,10 +66,6 @@ pub fn gc(args: &GcArgs) -> Result<()> {
     }
     let root = args.common.store_folder()?;
     claim::check(&root)?;
-    if !claim::is_marked(&root) {
-        tell(args, &Sweep::default());
-        return Ok(());
-    }
     let locks = committed()?;
     if args.dry_run {
         let store = Store::look(&root);
@@ -77,7 +73,10 @@ pub fn gc(args: &GcArgs) -> Result<()> {
         return Ok(());
     }
     let waiting = || progress::tell("waiting for the runs that use this store");
-    let alone = Alone::wait(Store::disk(&root)?, &waiting)?;
+    let Some(alone) = Alone::wait(Store::look_at(&root)?, &waiting)? else {
+        tell(args, &Sweep::default());
+        return Ok(());
+    };
     let sweep = plan(alone.store(), &PIPELINE, &locks, args.max)?;
     alone.carry_out(&sweep)?;
     tell(args, &sweep);
@@ -125,7 +124,7 @@ pub(super) fn after_run(root: &Path) {
         if gc::bytes(&Store::look(root))? <= BOUND {
             return Ok(None);
         }
-        let Some(alone) = Alone::now(Store::disk(root)?) else {
+        let Some(alone) = Alone::now(Store::look_at(root)?) else {
             return Ok(None);
         };
         let sweep = plan(alone.store(), &PIPELINE, &committed()?, BOUND)?;

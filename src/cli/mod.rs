@@ -5,6 +5,7 @@ pub mod doctor;
 pub mod gc;
 pub mod graph;
 mod interrupt;
+mod locked;
 pub mod progress;
 pub mod run;
 mod session;
@@ -24,10 +25,10 @@ use std::sync::{Mutex, PoisonError};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
 use crate::engine::error::{Error, Result};
-use crate::text::escape;
 use crate::engine::target::Target;
 use crate::numerics::lanes::Level;
 use crate::numerics::self_test;
+use crate::text::escape;
 
 /// Gong & Pan's ships encountering wave groups: the whole paper from seeds, through a cache.
 #[derive(Debug, Parser)]

@@ -63,7 +63,9 @@ impl Progress {
             Event::DidReuse { node, .. } => self.did(&mut state, node, None),
             Event::DidHeal { node, piece, why } => self.say(&format!("{node}/{piece}: {why}; making it again")),
             Event::DidDistrust { node, why } => {
-                self.say(&format!("{node}: the store held what no stage has made ({why}); set aside, looking again"));
+                self.say(&format!(
+                    "{node}: the store held what no stage has made ({why}); set aside, looking again"
+                ));
             }
             Event::DidFail { message, .. } => self.say(message),
             Event::DidWait { node, piece } => {

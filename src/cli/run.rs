@@ -1,6 +1,5 @@
 //! `encounter run`: make what is missing, then write figures, tables and the lock.
 
-use std::path::PathBuf;
 use std::sync::Mutex;
 use std::time::Instant;
 
@@ -8,14 +7,14 @@ use clap::Args;
 use serde_json::json;
 
 use crate::cli::interrupt::STOP;
-use crate::cli::progress::Progress;
-use crate::cli::session::{Session, on_request};
-use crate::cli::verify::read_lock;
-use crate::cli::{Common, gc, print_json, progress, same_bits, say, status, timing};
+use crate::cli::locked::Compared;
+use crate::cli::progress::{Progress, tell};
+use crate::cli::session::Session;
+
+use crate::cli::{Common, gc, locked, print_json, same_bits, say, status, timing};
 use crate::engine::code;
 use crate::engine::error::{Error, Result};
 use crate::engine::event::{Event, Fate};
-use crate::engine::figures;
 use crate::engine::lock::Lock;
 use crate::engine::plan::decide_all;
 use crate::engine::publish;
@@ -30,9 +29,9 @@ use crate::text::count::counted;
 #[derive(Debug, Args)]
 pub struct RunArgs {
     /// Stages, nodes (STAGE/CASE/PIECE) or outputs (table1); all of them by default
-    target: Vec<String>,
+    pub(super) target: Vec<String>,
     #[command(flatten)]
-    common: Common,
+    pub(super) common: Common,
     /// Worker threads [default: one per core]
     #[arg(short, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     j: Option<u16>,
@@ -41,10 +40,10 @@ pub struct RunArgs {
     dry_run: bool,
     /// Exit with 3 if a line of the committed lock differs from what this run made; nothing is accepted
     #[arg(long, conflicts_with_all = ["dry_run", "update_lock"])]
-    locked: bool,
+    pub(super) locked: bool,
     /// Write what this run made into the lock, which nothing else changes
     #[arg(long, conflicts_with = "dry_run")]
-    update_lock: bool,
+    pub(super) update_lock: bool,
     /// Let the figures of this what-if take the place of those that its --name already has
     #[arg(long, requires = "name")]
     replace: bool,
@@ -66,38 +65,12 @@ struct Ledger {
     old: Vec<(String, Fate)>,
 }
 
-/// The lock of a run that has one, compared with what the run made.
-struct Compared {
-    path: PathBuf,
-    /// Lines that the run made.
-    lines: usize,
-    /// Names of lines that differ; of all of them where there is no lock yet.
-    differ: Vec<String>,
-    state: LockState,
-}
-
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum LockState {
-    /// There is none yet.
-    None,
-    /// It is as it was.
-    Kept,
-    /// This run was told to write it, and it differed.
-    Written,
-}
-
 /// Runs the verb.
 ///
 /// # Errors
 /// A parameter, store or stage that fails.
 pub fn run(args: &RunArgs) -> Result<()> {
-    if let Some(option) = [("--locked", args.locked), ("--update-lock", args.update_lock)]
-        .into_iter()
-        .find_map(|(option, is_given)| is_given.then_some(option))
-        .filter(|_| !keeps_lock(args))
-    {
-        return Err(without_lock(args, option));
-    }
+    locked::check(args)?;
     let mut session = args.common.open(&args.target)?;
     if args.replace {
         session.replace();
@@ -115,36 +88,37 @@ pub fn run(args: &RunArgs) -> Result<()> {
         ledger.lock().expect("a listener does not panic").hear(event);
     };
     let outcome = execute(args, &session, &store, &listener).map_err(|error| gc::hint(error, &session.store));
-    let (compared, outcome) = match outcome {
-        Ok(compared) => (compared, Ok(())),
-        Err(error) => (None, Err(error)),
-    };
     progress.finish();
     for (path, kept) in store.put_aside() {
-        progress::tell(&format!("{path} was no file or folder of the store's own: moved to {}", kept.display()));
+        tell(&format!(
+            "{path} was no file or folder of the store's own: moved to {}",
+            kept.display()
+        ));
     }
     let ledger = ledger.into_inner().expect("a listener does not panic");
     let seconds = start.elapsed().as_secs_f64();
     let times = args.profile_time.then(|| ledger.times(&session, &store, seconds));
     drop(store);
+    let compared = outcome.as_ref().ok().and_then(Option::as_ref);
     if args.common.json {
-        print_json(&ledger.json(&session, seconds, times.as_ref(), compared.as_ref()));
+        print_json(&ledger.json(&session, seconds, times.as_ref(), compared));
     } else if outcome.is_ok() {
         ledger.print(&session, seconds, times.as_ref());
-        if let Some(compared) = &compared {
-            say(format_args!("{}", compared.sentence(&args.common, &args.target)));
-        }
     }
-    let outcome = outcome.and_then(|()| match &compared {
-        Some(compared) if args.locked && !compared.differ.is_empty() => {
-            Err(Error::Difference(compared.sentence(&args.common, &args.target)))
-        }
-        _ => Ok(()),
-    });
     if outcome.is_ok() && !ledger.ran.is_empty() {
         gc::after_run(&session.store);
     }
-    outcome
+    outcome.and_then(|compared| conclude(args, compared.as_ref()))
+}
+
+/// Says how the lock stands, as the last word of a run that has one.
+fn conclude(args: &RunArgs, compared: Option<&Compared>) -> Result<()> {
+    let Some(compared) = compared else { return Ok(()) };
+    compared.verdict(args)?;
+    if !args.common.json {
+        say(format_args!("{}", compared.sentence(args)));
+    }
+    Ok(())
 }
 
 /// The number of worker threads in force.
@@ -177,10 +151,6 @@ fn walk(
     listener: &(dyn Fn(&Event) + Sync),
 ) -> Result<Option<Compared>> {
     let set = session.set();
-    if args.locked {
-        // A lock that cannot be read is told before hours of work.
-        read_lock(&args.common.lock_file(&args.target)?)?;
-    }
     let run = Run::new(&session.graph, store, listener).in_checkout(session.checkout.root());
     let run = run.until(&STOP);
     if decide_all(&run) {
@@ -198,91 +168,11 @@ fn walk(
     let due = session.due().exactly(&run, &layout, &texts, |_| true);
     publish::publish(&run, &texts, &due, &set)?;
     outcome?;
-    if !keeps_lock(args) {
+    if !locked::keeps_lock(args) {
         return Ok(None);
     }
     let made = Lock::of(&run, args.common.profile.name(), code::RUSTC, &texts)?;
-    compare_lock(args, &made).map(Some)
-}
-
-/// Whether the run has a lock: one of everything, or of an output that only runs on request, parameters as committed.
-fn keeps_lock(args: &RunArgs) -> bool {
-    (args.target.is_empty() || on_request(&args.target).is_some()) && !args.common.is_custom()
-}
-
-/// Why a run has no lock.
-fn without_lock(args: &RunArgs, option: &str) -> Error {
-    let why = if args.common.is_custom() {
-        "found --overlay or --set: a lock holds what the profile's own parameters make, and a what-if has none"
-            .to_owned()
-    } else {
-        format!("found the target `{}`: a lock holds a whole run", args.target.join(" "))
-    };
-    Error::Usage(format!("{option}: expected a run of everything, {why}"))
-}
-
-/// Compares what a run made with the committed lock, and writes it if that was asked for.
-fn compare_lock(args: &RunArgs, made: &Lock) -> Result<Compared> {
-    let path = args.common.lock_file(&args.target)?;
-    let is_there = path.symlink_metadata().is_ok();
-    let committed = match read_lock(&path) {
-        Ok(lock) => Some(lock),
-        Err(_) if !is_there => None,
-        Err(error) if args.locked => return Err(error),
-        Err(error) => {
-            progress::tell(&format!("{error}"));
-            None
-        }
-    };
-    let differ = match &committed {
-        Some(committed) => committed.differing(made),
-        None => made.lines.iter().map(|line| line.name.clone()).collect(),
-    };
-    let mut state = if is_there { LockState::Kept } else { LockState::None };
-    if args.update_lock && !(committed.is_some() && differ.is_empty()) {
-        figures::write(&path, &made.text())?;
-        state = LockState::Written;
-    }
-    Ok(Compared {
-        path,
-        lines: made.lines.len(),
-        differ,
-        state,
-    })
-}
-
-impl Compared {
-    /// How the lock stands, and what to do about it.
-    fn sentence(&self, common: &Common, targets: &[String]) -> String {
-        let Self {
-            path,
-            lines,
-            differ,
-            state,
-        } = self;
-        let path = path.display();
-        let target = on_request(targets).map_or(String::new(), |target| format!("{target} "));
-        let accept = format!(
-            "encounter run {target}--profile {} --update-lock",
-            common.profile.name()
-        );
-        let count = differ.len();
-        match (state, differ.first()) {
-            (LockState::None, _) => format!("no lock yet: `{accept}` writes the {lines} lines of this run to {path}"),
-            (_, None) => format!("{path}: {lines} lines as committed"),
-            (LockState::Written, Some(_)) => format!("{path}: written, {count} of {lines} lines changed"),
-            (LockState::Kept, Some(first)) => {
-                format!("{count} of {lines} lines differ from {path}: first {first}; accept them with: {accept}")
-            }
-        }
-    }
-
-    fn json(&self) -> serde_json::Value {
-        json!({
-            "path": self.path.display().to_string(), "lines": self.lines,
-            "equal": self.lines.saturating_sub(self.differ.len()), "differ": self.differ,
-        })
-    }
+    locked::compare(args, &made).map(Some)
 }
 
 impl Ledger {

@@ -1,18 +1,16 @@
 //! Session: what a verb works on, resolved once from the options: parameters, graph, store, checkout, figures and lock.
 
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 
 use crate::cli::{Common, PROFILES, Profile, progress, target};
 use crate::engine::checkout::{Checkout, check_name, derived_name};
 use crate::engine::claim;
-use crate::engine::disk::System;
 use crate::engine::error::{Error, Result};
 use crate::engine::graph::Graph;
 use crate::engine::leftover::Due;
 use crate::engine::node::Node;
 use crate::engine::params::ParamsFile;
-use crate::engine::publish::Set;
+use crate::engine::published::Set;
 use crate::engine::store::Store;
 use crate::engine::target::Target;
 use crate::stages::PIPELINE;
@@ -204,8 +202,7 @@ impl Session {
     /// The store, which need not be there, for reading.
     pub(super) fn look_at_store(&self) -> Result<Store> {
         claim::check(&self.store)?;
-        let disk = System::look(&self.store).map_err(Error::io("look into the store", &self.store))?;
-        let store = Store::look_on(Arc::new(disk), &wait_for_gc);
+        let store = Store::look_on(Store::look_at(&self.store)?, &wait_for_gc);
         Ok(told_of_locks(store))
     }
 

@@ -2,10 +2,10 @@
 
 use serde_json::json;
 
-use crate::text::count::counted;
 use crate::cli::{Common, print_json, say};
 use crate::engine::error::Result;
 use crate::engine::leftover::remove_leftovers;
+use crate::text::count::counted;
 
 /// Removes them, or only says which they are.
 ///

@@ -13,7 +13,8 @@ use crate::engine::error::Result;
 use crate::engine::figures::EXTENSIONS;
 use crate::engine::leftover::leftovers;
 use crate::engine::plan::{Cost, NodePlan, Plan};
-use crate::engine::publish::{self, Ours, State};
+use crate::engine::publish;
+use crate::engine::published::{Ours, State};
 use crate::stages::axes::SHIP;
 use crate::text::count::counted;
 

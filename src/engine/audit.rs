@@ -112,7 +112,10 @@ pub fn audit(store: &Store, workers: usize, heard: &Heard<'_>) -> Result<Audit> 
         lists.push(listed(store, folder)?);
     }
     // Sparse files may be as long as they say.
-    let total = lists.iter().flatten().fold(0, |all: u64, file| all.saturating_add(file.bytes));
+    let total = lists
+        .iter()
+        .flatten()
+        .fold(0, |all: u64, file| all.saturating_add(file.bytes));
     let done = AtomicU64::new(0);
     let look = |bytes: u64| heard(done.fetch_add(bytes, Ordering::Relaxed).saturating_add(bytes), total);
     heard(0, total);
@@ -132,7 +135,12 @@ pub fn audit(store: &Store, workers: usize, heard: &Heard<'_>) -> Result<Audit> 
         }
     }
     audit.note_missing(store, &named, &present);
-    for list in [&mut audit.damaged, &mut audit.unreadable, &mut audit.orphaned, &mut audit.missing] {
+    for list in [
+        &mut audit.damaged,
+        &mut audit.unreadable,
+        &mut audit.orphaned,
+        &mut audit.missing,
+    ] {
         list.sort();
     }
     Ok(audit)
@@ -227,7 +235,9 @@ impl Audit {
     }
 
     fn note_missing(&mut self, store: &Store, named: &BTreeMap<Id, Named>, present: &BTreeSet<Id>) {
-        let gone = named.iter().filter(|(id, named)| !named.evicted && !present.contains(id));
+        let gone = named
+            .iter()
+            .filter(|(id, named)| !named.evicted && !present.contains(id));
         for (id, named) in gone {
             // It may have been written since the objects were listed.
             if !store.has(id) {

@@ -9,12 +9,13 @@ use std::fs::{self, DirEntry};
 use std::io::{ErrorKind, Read};
 use std::path::Path;
 
-use crate::engine::disk::{Disk, is_read_only};
+use crate::engine::disk::Disk;
 use crate::engine::error::{Error, Result};
 use crate::engine::names::{At, Place};
 
 /// What the marker says.
-const MARKER: &str = "encounter store 1: outputs that `encounter` has made and can make again; `encounter gc` makes room in it\n";
+const MARKER: &str =
+    "encounter store 1: outputs that `encounter` has made and can make again; `encounter gc` makes room in it\n";
 
 /// The tag by which programs that make backups know a cache (<https://bford.info/cachedir/>).
 const CACHE_TAG: &str = "Signature: 8a477f597d28d172789f06886806bc55
@@ -43,7 +44,8 @@ pub(crate) fn check(root: &Path) -> Result<()> {
         return Ok(());
     }
     let (locks, others): (Vec<&DirEntry>, Vec<&DirEntry>) = entries.iter().partition(|entry| is_lock(entry));
-    let is_beside = |entry: &&&DirEntry| !locks.is_empty() && BESIDE_LOCKS.iter().any(|name| entry.file_name() == *name);
+    let is_beside =
+        |entry: &&&DirEntry| !locks.is_empty() && BESIDE_LOCKS.iter().any(|name| entry.file_name() == *name);
     let mut foreign: Vec<String> = others
         .iter()
         .filter(|entry| !is_beside(entry))
@@ -54,7 +56,7 @@ pub(crate) fn check(root: &Path) -> Result<()> {
         [] => Ok(()),
         [first, rest @ ..] => Err(Error::Usage(format!(
             "--store {}: expected an empty folder or a store, which holds the file `{}`; found `{first}`{}; nothing was \
-             written: name another folder",
+             written: name another folder, or, if it is a store that has lost that file, make an empty one of that name",
             root.display(),
             Place::Marker.at(),
             match rest.len() {
@@ -85,8 +87,8 @@ pub(crate) fn mark(disk: &dyn Disk) -> Result<()> {
         match disk.write_new(&at, text.as_bytes()) {
             // Another run was faster.
             Err(why) if why.kind() == ErrorKind::AlreadyExists => continue,
-            // A store that may only be read can do without the tag.
-            Err(why) if is_read_only(&why) && place == Place::CacheTag => continue,
+            // The tag is a courtesy, and a store can do without it.
+            Err(_) if place == Place::CacheTag => continue,
             written => written.map_err(Error::writing("mark the store by", &path, text.len() as u64))?,
         }
         for at in [at, At::root()] {
@@ -99,7 +101,9 @@ pub(crate) fn mark(disk: &dyn Disk) -> Result<()> {
 /// Whether a file is a committed lock.
 fn is_lock(entry: &DirEntry) -> bool {
     let name = entry.file_name();
-    if !Path::new(&name).extension().is_some_and(|extension| extension == "lock")
+    if !Path::new(&name)
+        .extension()
+        .is_some_and(|extension| extension == "lock")
         || !entry.file_type().is_ok_and(|kind| kind.is_file())
     {
         return false;

@@ -185,7 +185,9 @@ impl System {
         // To open a pipe must not be to wait for its other end.
         options.follow(FollowSymlinks::No).nonblock(true);
         self.within(at, |folder, name| {
-            let file = folder.open_with(name, &options).map_err(|why| link(folder, name, why))?;
+            let file = folder
+                .open_with(name, &options)
+                .map_err(|why| link(folder, name, why))?;
             if file.metadata()?.is_file() {
                 return Ok(file);
             }
@@ -236,7 +238,11 @@ impl Disk for System {
 
     fn synchronise(&self, at: &At) -> io::Result<()> {
         let mut options = OpenOptions::new();
-        options.read(true).maybe_dir(true).nonblock(true).follow(FollowSymlinks::No);
+        options
+            .read(true)
+            .maybe_dir(true)
+            .nonblock(true)
+            .follow(FollowSymlinks::No);
         if at.names().next().is_none() {
             return self.folder()?.open_with(".", &options)?.sync_all();
         }
@@ -274,7 +280,9 @@ impl Disk for System {
                 Ok(found) => listed.push(Entry {
                     name: entry.file_name(),
                     bytes: found.len(),
-                    modified: found.modified().map_or(SystemTime::UNIX_EPOCH, cap_std::time::SystemTime::into_std),
+                    modified: found
+                        .modified()
+                        .map_or(SystemTime::UNIX_EPOCH, cap_std::time::SystemTime::into_std),
                     kind: match (found.is_file(), found.is_dir()) {
                         (true, _) => Kind::File,
                         (_, true) => Kind::Folder,

@@ -160,7 +160,11 @@ impl Error {
             Self::Usage(_) => 2,
             Self::Difference(_) => 3,
             Self::NotReproducible { .. } | Self::OtherBits(_) => 4,
-            Self::Io { .. } | Self::Full { .. } | Self::NoThread(_) | Self::Damaged { .. } | Self::Distrusted { .. } => 5,
+            Self::Io { .. }
+            | Self::Full { .. }
+            | Self::NoThread(_)
+            | Self::Damaged { .. }
+            | Self::Distrusted { .. } => 5,
             Self::Interrupted => 130,
         }
     }

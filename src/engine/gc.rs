@@ -57,14 +57,18 @@ pub struct Alone {
 }
 
 impl Alone {
-    /// Waits until no run lives; `waiting` is called once if one does.
+    /// Waits until no run lives; `waiting` is called once if one does. None where there is no store yet.
     ///
     /// # Errors
-    /// A folder that is no store, or that cannot be locked.
-    pub fn wait(disk: Arc<dyn Disk>, waiting: &dyn Fn()) -> Result<Self> {
+    /// A folder that is somebody else's, or that cannot be locked.
+    pub fn wait(disk: Arc<dyn Disk>, waiting: &dyn Fn()) -> Result<Option<Self>> {
+        claim::check(disk.root())?;
+        if !claim::is_marked(disk.root()) {
+            return Ok(None);
+        }
         let lock = open_lock(disk.as_ref())?;
         if wait_for(disk.as_ref(), &lock, true, waiting) {
-            return Ok(Self::with(disk, lock));
+            return Ok(Some(Self::with(disk, lock)));
         }
         let no_locks = io::Error::new(ErrorKind::Unsupported, "this file system has no locks");
         Err(Error::io("keep runs out of the store", disk.root())(no_locks))
@@ -72,7 +76,9 @@ impl Alone {
 
     /// The same, or none if somebody is at work.
     pub fn now(disk: Arc<dyn Disk>) -> Option<Self> {
-        let lock = open_lock(disk.as_ref()).ok()?;
+        let lock = open_lock(disk.as_ref())
+            .ok()
+            .filter(|_| claim::is_marked(disk.root()))?;
         disk.try_lock(&lock, true).ok()?;
         Some(Self::with(disk, lock))
     }
@@ -113,15 +119,8 @@ impl Alone {
     }
 }
 
-/// Opens the lock on the whole of a folder that says it is a store.
+/// Opens the lock on the whole of a store.
 fn open_lock(disk: &dyn Disk) -> Result<File> {
-    if !claim::is_marked(disk.root()) {
-        return Err(Error::Usage(format!(
-            "--store {}: expected a store, which holds the file `{}`; nothing was removed",
-            disk.root().display(),
-            Place::Marker.at()
-        )));
-    }
     let at = Place::StoreLock.at();
     let file = disk.open_lock(&at, false);
     file.map_err(Error::writing("make the store's lock", disk.root().join(at.text()), 0))
@@ -148,7 +147,10 @@ pub fn plan(store: &Store, pipeline: &Pipeline, locks: &[Lock], bound: u64) -> R
     let scan = Scan::new(store)?;
     let roots = Roots::new(store, locks, &scan)?;
     let mut sweep = Sweep {
-        bytes: scan.files.values().fold(0, |all, (bytes, _)| all.saturating_add(*bytes)),
+        bytes: scan
+            .files
+            .values()
+            .fold(0, |all, (bytes, _)| all.saturating_add(*bytes)),
         foreign: scan.foreign.clone(),
         ..Sweep::default()
     };
@@ -216,15 +218,24 @@ impl Roots {
     fn new(store: &Store, locks: &[Lock], scan: &Scan) -> Result<Self> {
         let (ids, contents) = (BTreeSet::new(), BTreeSet::new());
         let mut roots = Self { ids, contents };
-        for line in locks.iter().flat_map(|lock| &lock.lines).filter(|line| line.pieces.is_some()) {
-            // One that was never made in this store has no manifest here, and nothing to keep.
-            roots.reach(store, line.content)?;
+        let mut unknown: BTreeSet<&str> = BTreeSet::new();
+        for line in locks
+            .iter()
+            .flat_map(|lock| &lock.lines)
+            .filter(|line| line.pieces.is_some())
+        {
+            // One that was never made in this store has no list of pieces here, and nothing to keep.
+            if roots.reach(store, line.content)? == Pieces::Damaged {
+                unknown.insert(&line.name);
+            }
         }
         let (runs, ended) = runs::all(store)?;
         for run in &runs {
-            for content in run.contents.values().filter_map(|content| Id::parse(content)) {
-                if !roots.reach(store, content)? && !scan.records.contains_key(&content) {
-                    return Err(unknown(store, content, "it is not there"));
+            for (node, content) in &run.contents {
+                let Some(content) = Id::parse(content) else { continue };
+                // A run wrote the list of every content in pieces.
+                if roots.reach(store, content)? != Pieces::Known && !scan.records.contains_key(&content) {
+                    unknown.insert(node);
                 }
             }
             let pieces = run.pieces.values().flatten();
@@ -235,36 +246,41 @@ impl Roots {
             ended.is_none_or(|ended| *written > ended)
         };
         for (id, records) in &scan.records {
-            if records.iter().any(|(key, _)| is_recent(key)) {
+            // Whose pieces are not known keeps all that ever bore its name.
+            let stays = |(key, record): &(Key, Record)| is_recent(key) || unknown.contains(&*record.node);
+            if records.iter().any(stays) {
                 roots.ids.insert(*id);
             }
         }
         Ok(roots)
     }
 
-    /// Takes a content and its pieces; whether there is a list of them.
-    fn reach(&mut self, store: &Store, content: Id) -> Result<bool> {
+    /// Takes a content and its pieces.
+    fn reach(&mut self, store: &Store, content: Id) -> Result<Pieces> {
         self.contents.insert(content);
         self.ids.insert(content);
         match manifest::read(store, &content) {
             Ok(ids) => self.ids.extend(ids),
-            Err(why) if why.kind() == ErrorKind::NotFound => return Ok(false),
-            Err(why) if why.kind() == ErrorKind::InvalidData => return Err(unknown(store, content, &why.to_string())),
-            Err(why) => return Err(Error::io("read the manifest", store.path(&Place::Manifest(content)))(why)),
+            Err(why) if why.kind() == ErrorKind::NotFound => return Ok(Pieces::NoList),
+            Err(why) if why.kind() == ErrorKind::InvalidData => return Ok(Pieces::Damaged),
+            Err(why) => {
+                return Err(Error::io("read the manifest", store.path(&Place::Manifest(content)))(
+                    why,
+                ));
+            }
         }
-        Ok(true)
+        Ok(Pieces::Known)
     }
 }
 
-/// The error of a manifest that does not say which pieces a lock or a run names.
-fn unknown(store: &Store, content: Id, why: &str) -> Error {
-    Error::Damaged {
-        what: format!("the manifest {}", store.path(&Place::Manifest(content)).display()),
-        why: format!(
-            "{why}, so that the pieces of what a lock or a run names are not known, and nothing was removed; `encounter \
-             run` of the same writes it again; or remove the files of `runs/` that are of no more use"
-        ),
-    }
+/// What is known of the pieces of a content.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Pieces {
+    Known,
+    /// There is no list of them.
+    NoList,
+    /// Their list does not hash to its name.
+    Damaged,
 }
 
 impl Sweep {
@@ -277,9 +293,17 @@ impl Sweep {
         let kept = |id: &Id| roots.ids.contains(id);
         let mut records = BTreeSet::new();
         let mut parts = BTreeSet::new();
-        for (key, record) in scan.records.iter().filter(|(id, _)| kept(id)).flat_map(|(_, records)| records) {
+        for (key, record) in scan
+            .records
+            .iter()
+            .filter(|(id, _)| kept(id))
+            .flat_map(|(_, records)| records)
+        {
             records.insert(*key);
-            let names = record.parts.iter().flat_map(|parts| [&parts.code, &parts.params, &parts.inputs]);
+            let names = record
+                .parts
+                .iter()
+                .flat_map(|parts| [&parts.code, &parts.params, &parts.inputs]);
             parts.extend(names.filter_map(|name| Id::parse(name)));
         }
         for (place, (bytes, _)) in &scan.files {

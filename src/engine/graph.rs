@@ -149,9 +149,7 @@ impl Graph {
     fn resolution(&self, pipeline: &Pipeline) -> Result<Vec<String>> {
         let mut warnings = Vec::new();
         for it in &self.nodes {
-            let told = |fault: &Fault| {
-                self.params.fault(fault, pipeline.axes, &it.case, &rows_of(it.node))
-            };
+            let told = |fault: &Fault| self.params.fault(fault, pipeline.axes, &it.case, &rows_of(it.node));
             let found = it.node.resolution(&it.decoded).map_err(|fault| told(&fault))?;
             for warning in found.iter().map(|fault| told(fault).to_string()) {
                 if !warnings.contains(&warning) {

@@ -10,7 +10,7 @@ use std::fs;
 use crate::engine::error::{Error, Result};
 use crate::engine::figures::{self, may_publish};
 use crate::engine::pipeline::Pipeline;
-use crate::engine::publish::{Ours, Set, State};
+use crate::engine::published::{Ours, PARAMETERS, Set, State};
 use crate::engine::run::Run;
 
 /// What may lie in a figures folder.
@@ -79,7 +79,7 @@ impl<'a> Due<'a> {
 /// The files of earlier runs in a folder that no run of these parameters makes: outdated ones, and ones edited since.
 pub fn leftovers(ours: &Ours, due: &Due<'_>, set: &Set<'_>) -> Vec<(String, State)> {
     let paths = ours.there(set).into_iter();
-    let old = paths.filter(|path| path != crate::engine::publish::PARAMETERS && !due.is_due(path));
+    let old = paths.filter(|path| path != PARAMETERS && !due.is_due(path));
     let state = |path: &str| {
         if ours.made(set, path) {
             State::Outdated

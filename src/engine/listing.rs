@@ -49,7 +49,10 @@ fn entries(store: &Store, at: &At) -> Result<Vec<Entry>> {
 
 fn listed_as(folder: Folder, division: &str, entry: Entry) -> Listed {
     let name = entry.name.to_string_lossy();
-    let place = entry.name.to_str().and_then(|name| Place::parse(folder, division, name));
+    let place = entry
+        .name
+        .to_str()
+        .and_then(|name| Place::parse(folder, division, name));
     let names = [folder.name(), division, &name];
     let path: Vec<&str> = names.into_iter().filter(|name| !name.is_empty()).collect();
     Listed {

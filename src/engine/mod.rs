@@ -51,7 +51,7 @@
 //!
 //! Order of reading: `stage`, `arrow`, `node`; `case`, `params`, `pipeline`, `graph`; `key`, `code`, `run`, `schedule`,
 //! `queue`; `store`, `disk`, `flight`, `object`, `record`, `parts`, `finite`; `lock`, `verify`, `audit`,
-//! `rebuild`, `difference`, `checkout`, `figures`, `publish`, `leftover`, `runs`, `gc`; `plan`, `history`, `compare`, `explain`, `why`; `revision`, `versions`;
+//! `rebuild`, `difference`, `checkout`, `figures`, `published`, `leftover`, `publish`, `runs`, `gc`; `plan`, `history`, `compare`, `explain`, `why`; `revision`, `versions`;
 //! `chart`; `timing`; `stop`, `threads`. What the command line names is in `target`, how parameter tables are laid over each other in `layers`,
 //! how a key is named in `key_path`, which name is meant in `nearest`.
 
@@ -97,6 +97,7 @@ pub mod parts;
 pub mod pipeline;
 pub mod plan;
 pub mod publish;
+pub mod published;
 mod queue;
 pub mod read;
 pub mod reason;

@@ -206,9 +206,7 @@ impl<'g> Plan<'g> {
             },
             Decision::WillRun(key) => match self.run.store.record(&key) {
                 Some(record) => self.lost(node, piece, &record),
-                None if self.run.store.has_record(&key) => {
-                    State::WillRun(Cause::Damaged("record damaged".to_owned()))
-                }
+                None if self.run.store.has_record(&key) => State::WillRun(Cause::Damaged("record damaged".to_owned())),
                 None => State::WillRun(Cause::Key),
             },
             Decision::MayRun if self.can_hit(node, piece) => State::MayRun(Cause::Key),

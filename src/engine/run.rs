@@ -326,7 +326,9 @@ impl<'g> Run<'g> {
     /// Sets aside an object, and the record that names it, which are whole and yet no output of their stage: somebody forged
     /// them, since no stage stores what it could not read. What this walk knows may rest on them, so it has to begin anew.
     fn distrust(&self, node: usize, piece: usize, error: Error) -> Error {
-        let Error::Damaged { why, .. } = error else { return error };
+        let Error::Damaged { why, .. } = error else {
+            return error;
+        };
         let object = self.id(node, piece).map(Place::Object);
         match object.map(|object| self.set_aside(&object)) {
             Some(Err(error)) => error,
@@ -352,9 +354,10 @@ impl<'g> Run<'g> {
 
     fn set_aside(&self, place: &Place) -> Result<()> {
         match self.store.set_aside(place) {
-            Err(why) if why.kind() != ErrorKind::NotFound => {
-                Err(Error::io("set aside what no stage has made,", self.store.path(place))(why))
-            }
+            Err(why) if why.kind() != ErrorKind::NotFound => Err(Error::io(
+                "set aside what no stage has made,",
+                self.store.path(place),
+            )(why)),
             _ => Ok(()),
         }
     }

@@ -47,7 +47,9 @@ struct Remembered {
 pub(crate) fn checkout_number(checkout: &Path) -> u64 {
     let path = checkout.canonicalize().unwrap_or_else(|_| checkout.to_owned());
     let hash = blake3::hash(path.as_os_str().as_encoded_bytes());
-    hash.as_bytes()[..8].iter().fold(0, |number, byte| number << 8 | u64::from(*byte))
+    hash.as_bytes()[..8]
+        .iter()
+        .fold(0, |number, byte| number << 8 | u64::from(*byte))
 }
 
 /// Takes note of what a run used, unless the last one of its checkout used the same. A store that may only be read has
@@ -65,8 +67,11 @@ pub(crate) fn remember(run: &Run<'_>) -> Result<()> {
 fn note(run: &Run<'_>) -> Result<()> {
     let file = used(run)?;
     let is_last = |there: &[Remembered]| {
-        let own = there.iter().filter(|it| it.checkout == run.checkout).max_by_key(|it| it.number);
-        own.and_then(|own| read(run.store, own).ok()) == Some(file.clone())
+        let own = there
+            .iter()
+            .filter(|it| it.checkout == run.checkout)
+            .max_by_key(|it| it.number);
+        own.and_then(|own| read(run.store, own).ok().flatten()).as_ref() == Some(&file)
     };
     if is_last(&remembered(run.store)?) {
         return Ok(());
@@ -77,12 +82,21 @@ fn note(run: &Run<'_>) -> Result<()> {
     if is_last(&there) {
         return Ok(());
     }
-    let last = there.iter().filter(|it| it.checkout == run.checkout).map(|it| it.number).max();
+    let last = there
+        .iter()
+        .filter(|it| it.checkout == run.checkout)
+        .map(|it| it.number)
+        .max();
     let number = last.map_or(1, |last| last + 1);
     let (_, text) = sealed(&serde_json::to_string(&file).expect("names and ids are text"));
-    run.store.write(&Place::Run(run.checkout, number), text.as_bytes(), false)?;
+    run.store
+        .write(&Place::Run(run.checkout, number), text.as_bytes(), false)?;
     there.sort_by_key(|it| (it.modified, it.number));
-    let own = there.iter().rev().filter(|it| it.checkout == run.checkout).skip(KEPT - 1);
+    let own = there
+        .iter()
+        .rev()
+        .filter(|it| it.checkout == run.checkout)
+        .skip(KEPT - 1);
     for old in own.chain(there.iter().rev().skip(KEPT_OF_ALL - 1)) {
         // Another run may have been faster.
         let _ = run.store.files().remove(&Place::Run(old.checkout, old.number).at());
@@ -109,31 +123,30 @@ fn used(run: &Run<'_>) -> Result<RunFile> {
     Ok(file)
 }
 
-/// All remembered runs, and when the newest was written.
+/// All remembered runs, and when the newest was written; no time if one of them is damaged, so that what it used is not
+/// known.
 ///
 /// # Errors
-/// One that cannot be read or is damaged: what it used is not known.
+/// One that cannot be read.
 pub(crate) fn all(store: &Store) -> Result<(Vec<RunFile>, Option<SystemTime>)> {
     let there = remembered(store)?;
     let newest = there.iter().map(|it| it.modified).max();
-    let files: Result<Vec<RunFile>> = there.iter().map(|it| read(store, it)).collect();
-    Ok((files?, newest))
+    let files: Result<Vec<Option<RunFile>>> = there.iter().map(|it| read(store, it)).collect();
+    let files: Vec<RunFile> = files?.into_iter().flatten().collect();
+    let newest = newest.filter(|_| files.len() == there.len());
+    Ok((files, newest))
 }
 
-fn read(store: &Store, run: &Remembered) -> Result<RunFile> {
+/// What a run used; none if the file is damaged.
+fn read(store: &Store, run: &Remembered) -> Result<Option<RunFile>> {
     let place = Place::Run(run.checkout, run.number);
-    let path = store.path(&place);
     let text = match store.read_text(&place) {
-        Err(why) if why.kind() != ErrorKind::InvalidData => return Err(Error::io("read what a run used,", path)(why)),
+        Err(why) if why.kind() != ErrorKind::InvalidData => {
+            return Err(Error::io("read what a run used,", store.path(&place))(why));
+        }
         text => text.unwrap_or_default(),
     };
-    let file = opened(&text).and_then(|(_, json)| serde_json::from_str(&json).ok());
-    file.ok_or_else(|| Error::Damaged {
-        what: path.display().to_string(),
-        why: "its check does not hold, so that what that run used is not known; remove the file, and what only it reaches is \
-              garbage"
-            .to_owned(),
-    })
+    Ok(opened(&text).and_then(|(_, json)| serde_json::from_str(&json).ok()))
 }
 
 fn remembered(store: &Store) -> Result<Vec<Remembered>> {

@@ -93,6 +93,15 @@ impl Store {
         Ok(Arc::new(disk))
     }
 
+    /// The disk of a folder, which need not be there.
+    ///
+    /// # Errors
+    /// A folder that cannot be opened.
+    pub fn look_at(root: &Path) -> Result<Arc<dyn Disk>> {
+        let disk = System::look(root).map_err(Error::io("look into the store", root))?;
+        Ok(Arc::new(disk))
+    }
+
     /// Opens the store on a disk; `waiting` is called once if garbage is being collected, which is waited for.
     ///
     /// # Errors
@@ -427,7 +436,8 @@ impl Store {
         let name = at.names().next_back().unwrap_or_default();
         let found = listed.iter().find(|entry| entry.name == *name).map(|entry| entry.kind);
         let is_top_folder = Folder::ALL.iter().any(|folder| folder.at() == *at);
-        let is_folder = is_top_folder || at.names().count() == 2 && Folder::ALL.iter().any(|f| f.division(name).as_ref() == Some(at));
+        let is_folder = is_top_folder
+            || at.names().count() == 2 && Folder::ALL.iter().any(|f| f.division(name).as_ref() == Some(at));
         match found {
             Some(Kind::Other) if !is_top_folder => {}
             Some(Kind::Folder) if !is_folder => {}

@@ -123,7 +123,7 @@ fn every_shape_has_its_path() {
     );
     reads(
         |it| it.ends[1] = End::Upright,
-        &format!("ends[1]  Capsized of 1 fields / Upright; {one}"),
+        &format!("ends[1]  Capsized of 1 field / Upright; {one}"),
     );
     reads(
         |it| it.ends[0] = End::Capsized { at: 0.0 },

@@ -149,7 +149,9 @@ fn who_collects_waits_for_runs_and_runs_wait_for_it() {
         let told_too = told.clone();
         let collector = scope.spawn(|| {
             let waiting = move || told_too.send("gc waits").expect("somebody listens");
-            Alone::wait(disk(), &waiting).expect("the store")
+            Alone::wait(disk(), &waiting)
+                .expect("the store can be locked")
+                .expect("a store")
         });
         assert_eq!(hears.recv_timeout(Duration::from_secs(20)), Ok("gc waits"));
         drop(running);
@@ -243,11 +245,9 @@ fn a_number_that_no_run_could_have_reached_ends_no_counting() {
         house.set(&format!("aside.value={value}"));
         house.run().expect_success();
     }
-    // What they say of themselves does not hold, so that what they reach is not known.
+    // What they say of themselves does not hold, so that nothing is known to be of no use.
     let before = house.files_in("store/objects");
-    let error = house.gc(0, false).expect_err("a doubt about a root");
-    assert_eq!(error.exit_code(), 5);
-    assert!(error.to_string().contains("remove the file"), "{error}");
+    house.gc(u64::MAX, false).expect("garbage can be collected");
     assert_eq!(house.files_in("store/objects"), before);
     assert!(house.run().ran().is_empty());
 }

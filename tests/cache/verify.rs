@@ -176,7 +176,12 @@ fn what_no_record_names_is_orphaned_and_stays() {
 #[test]
 fn a_store_that_is_not_there_is_an_error_and_stays_so() {
     let house = House::new();
-    let error = audit(&encounter::engine::store::Store::look(&house.path("store")), 1, &|_, _| ()).expect_err("there is no store");
+    let error = audit(
+        &encounter::engine::store::Store::look(&house.path("store")),
+        1,
+        &|_, _| (),
+    )
+    .expect_err("there is no store");
     assert_eq!(error.exit_code(), 5);
     assert!(!house.path("store").exists());
 }

@@ -17,7 +17,7 @@ use encounter::engine::lock::{self, Lock};
 use encounter::engine::params::ParamsFile;
 use encounter::engine::pipeline::Pipeline;
 use encounter::engine::plan::{NodePlan, Plan};
-use encounter::engine::publish::Set;
+use encounter::engine::published::Set;
 use encounter::engine::rebuild::{Against, Rebuilt};
 use encounter::engine::run::Run;
 use encounter::engine::store::Store;
@@ -183,7 +183,9 @@ impl House {
     /// What `gc` would take to come within a size; takes it, unless the run is dry.
     pub(crate) fn gc(&self, bound: u64, dry: bool) -> Result<Sweep, Error> {
         let disk = (self.disk)(Store::disk(&self.path("store"))?);
-        let alone = Alone::wait(disk, &|| ())?;
+        let Some(alone) = Alone::wait(disk, &|| ())? else {
+            return Ok(Sweep::default());
+        };
         let locks = lock::committed(&self.checkout().artifacts(), &|stem| stem == "toy")?;
         let sweep = gc::plan(alone.store(), &self.pipeline, &locks, bound)?;
         if !dry {

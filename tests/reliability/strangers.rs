@@ -138,7 +138,11 @@ const DAMAGES: [Damage; 18] = [
 /// Damages what lies at a path; `other` is a file of the same folder.
 fn damage(folder: &Path, path: &Path, other: &Path, damage: Damage) {
     let is_folder = path.is_dir();
-    let good = if is_folder { Vec::new() } else { fs::read(path).expect("the file is there") };
+    let good = if is_folder {
+        Vec::new()
+    } else {
+        fs::read(path).expect("the file is there")
+    };
     let flipped = |at: usize| {
         let mut bytes = good.clone();
         if let Some(byte) = bytes.get_mut(at) {
@@ -147,7 +151,11 @@ fn damage(folder: &Path, path: &Path, other: &Path, damage: Damage) {
         bytes
     };
     let write = |bytes: Vec<u8>| fs::write(path, bytes).expect("the file can be damaged");
-    let outside = if is_folder { folder.join("outside") } else { folder.join("outside/letter.txt") };
+    let outside = if is_folder {
+        folder.join("outside")
+    } else {
+        folder.join("outside/letter.txt")
+    };
     match damage {
         _ if is_folder => fs::remove_dir_all(path).expect("the folder can be removed"),
         Damage::Empty => return write(Vec::new()),
@@ -239,18 +247,27 @@ fn every_damage(share: usize) -> usize {
         .flat_map(|(path, other)| {
             let is_folder = path.is_dir();
             let fits = DAMAGES.iter().filter(move |damage| {
-                !is_folder || DAMAGES.iter().position(|known| known == *damage) >= Some(8) && **damage != Damage::HardLink
+                !is_folder
+                    || DAMAGES.iter().position(|known| known == *damage) >= Some(8) && **damage != Damage::HardLink
             });
-            fits.map(move |damage| (path.clone(), other.clone(), *damage)).collect::<Vec<_>>()
+            fits.map(move |damage| (path.clone(), other.clone(), *damage))
+                .collect::<Vec<_>>()
         })
         .collect();
     let mut count = 0;
     for (path, other, kind) in all.iter().step_by(share) {
         count += 1;
         let (folder, house) = origin.copy(pieces);
-        let inner = |path: &Path| house.path("store").join(path.strip_prefix(&root).expect("a file of the store"));
+        let inner = |path: &Path| {
+            house
+                .path("store")
+                .join(path.strip_prefix(&root).expect("a file of the store"))
+        };
         let (path, other) = (inner(path), inner(other));
-        let what = format!("{kind:?} of {}", path.strip_prefix(house.path("")).expect("it lies there").display());
+        let what = format!(
+            "{kind:?} of {}",
+            path.strip_prefix(house.path("")).expect("it lies there").display()
+        );
         damage(folder.path(), &path, &other, *kind);
         // A top folder that is a link, or a folder that lost the mark of a store, is refused by name.
         let is_top = path.parent() == Some(&house.path("store"));
@@ -301,7 +318,12 @@ fn every_error_under_gc(errors: &[i32], share: usize) -> usize {
     other.run().expect_success();
     for run in fs::read_dir(&runs).expect("runs").flatten() {
         let text = fs::read_to_string(run.path()).expect("a run can be read");
-        let total = origin.lock.lines.iter().find(|line| line.name == "total").expect("a line");
+        let total = origin
+            .lock
+            .lines
+            .iter()
+            .find(|line| line.name == "total")
+            .expect("a line");
         if !text.contains(&total.content.to_string()) {
             fs::remove_file(run.path()).expect("a run can be removed");
         }
@@ -338,7 +360,11 @@ fn every_error_under_gc(errors: &[i32], share: usize) -> usize {
             assert!(lost.is_empty(), "error {error} at {operation}: {lost:?}");
             house.disk = Box::new(|disk| disk);
             let after = house.run();
-            assert_eq!((after.ran(), after.healed()), (Vec::new(), Vec::new()), "error {error} at {operation}");
+            assert_eq!(
+                (after.ran(), after.healed()),
+                (Vec::new(), Vec::new()),
+                "error {error} at {operation}"
+            );
             assert_eq!(after.locked(), origin.lock);
         }
     }
@@ -447,12 +473,23 @@ fn every_forgery(share: usize) -> usize {
         let told = done.outcome.as_ref().err().map(ToString::to_string).unwrap_or_default();
         // A forgery that decodes is believed, or makes a stage that reads it fail: the committed lock tells.
         assert!([0, 1].contains(&code), "{name}: {told}");
-        let is_lie = ["half", "one byte less", "one byte more", "another layout", "another codec"].contains(name);
+        let is_lie = [
+            "half",
+            "one byte less",
+            "one byte more",
+            "another layout",
+            "another codec",
+        ]
+        .contains(name);
         if is_lie {
             assert_eq!(done.lock.as_ref(), Some(&origin.lock), "{name}");
         }
         let again = house.run();
-        assert_eq!(again.outcome.as_ref().err().map_or(0, Error::exit_code), code, "{name}, again");
+        assert_eq!(
+            again.outcome.as_ref().err().map_or(0, Error::exit_code),
+            code,
+            "{name}, again"
+        );
     }
     count
 }
@@ -505,7 +542,9 @@ fn an_empty_folder_and_a_checkout_with_its_locks_become_stores() {
 fn what_stands_in_the_way_is_moved_to_quarantine_and_said() {
     let origin = Origin::new(2);
     let (_folder, house) = origin.copy(2);
-    let object = house.files_in("store/objects")[0].clone();
+    // The published output is read by every run.
+    let total = origin.lock.lines.iter().find(|line| line.name == "total");
+    let object = house.object(&total.expect("a line of the lock").content);
     fs::remove_file(&object).expect("an object can be removed");
     fs::create_dir(&object).expect("a folder can be made");
     fs::write(object.join("mine"), SECRET).expect("a file can be written");
@@ -514,11 +553,18 @@ fn what_stands_in_the_way_is_moved_to_quarantine_and_said() {
     drop(UnixListener::bind(&lock).expect("a socket can be made"));
     let store = Store::open(&house.path("store")).expect("a store can be opened");
     let aside = store.put_aside();
-    let [(path, kept)] = aside.as_slice() else { panic!("{aside:?}") };
+    let [(path, kept)] = aside.as_slice() else {
+        panic!("{aside:?}")
+    };
     assert_eq!(path, "store.lock");
     assert!(fs::symlink_metadata(kept).expect("it is kept").file_type().is_socket());
     drop(store);
     assert_eq!(house.run().locked(), origin.lock);
     let files = house.files_in("store/quarantine");
-    assert!(files.iter().any(|file| fs::read_to_string(file).is_ok_and(|text| text == SECRET)), "{files:?}");
+    assert!(
+        files
+            .iter()
+            .any(|file| fs::read_to_string(file).is_ok_and(|text| text == SECRET)),
+        "{files:?}"
+    );
 }
