@@ -41,7 +41,9 @@ pub(super) fn listen() {
         let signals = Signals::new([SIGINT, SIGTERM].into_iter().chain(hangup));
         let _ = listening.send(());
         if let Ok(mut signals) = signals {
-            signals.forever().next().map(|_| end());
+            if signals.forever().next().is_some() {
+                end();
+            }
         }
     });
     if listener.is_ok() {
