@@ -201,14 +201,25 @@ fn sizes_that_never_ended_or_aborted_are_refused_with_the_reason() {
         ),
         ("calibration.fields=10000000", "in 4 seas, are held in memory at once"),
         ("record.fields=900000", "the sizes of all groups"),
-        ("record.lead_in=1e5", "steps of the roll before each field"),
-        ("sea.S1.peak_period=0.01", "steps of the roll before each field"),
     ] {
         let why = graph(assignment)
             .err()
             .unwrap_or_else(|| panic!("{assignment}: expected a refusal"));
         assert!(why.contains(reason), "{assignment}: {why}");
     }
+}
+
+#[test]
+fn a_lead_in_is_bounded_in_steps_of_the_roll() {
+    let refusal = |t_p: &str| {
+        let mut params = tiny();
+        params.set("record.lead_in=200000.0").expect("an assignment");
+        params.set(&format!("sea.S1.peak_period={t_p}")).expect("an assignment");
+        Graph::new(&PIPELINE, &params, &[]).err().map(|error| error.to_string())
+    };
+    assert_eq!(refusal("15.0"), None);
+    let why = refusal("0.1").expect("a refusal");
+    assert!(why.starts_with("--set: record.lead_in: expected at most 156"), "{why}");
 }
 
 /// Runs the tiny profile with what the checks let through: no abort, no panic, no end that does not come.

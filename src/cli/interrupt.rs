@@ -40,8 +40,10 @@ pub(super) fn listen() {
         // Only the thread that will answer takes the signals from the system: without it they would be lost.
         let signals = Signals::new([SIGINT, SIGTERM].into_iter().chain(hangup));
         let _ = listening.send(());
-        if let Ok(mut signals) = signals {
-            signals.forever().next().map(|_| end());
+        if let Ok(mut signals) = signals
+            && signals.forever().next().is_some()
+        {
+            end();
         }
     });
     if listener.is_ok() {

@@ -92,7 +92,7 @@ impl VhgpSeq {
         if let Some(case) = self.case.iter().find(|case| case.theta_t >= self.cap) {
             let (sea, theta_t, cap) = (&case.sea, case.theta_t, self.cap);
             return Err(format!(
-                "cap: expected more than theta_t = {theta_t} of {sea}, found {cap}"
+                "cap: expected more than theta_t = {theta_t} of {sea} in `case`, found {cap}"
             ));
         }
         self.fit.check(2)

@@ -61,11 +61,12 @@ impl KeyPath {
 
     /// The keys of a path that enters no list.
     pub(crate) fn keys(&self) -> Option<Vec<&str>> {
-        let key = |step| match step {
-            &Step::Key(ref key) => Some(key.as_str()),
-            Step::Place(_) => None,
-        };
-        self.0.iter().map(key).collect()
+        let mut keys = Vec::new();
+        for step in &self.0 {
+            let Step::Key(key) = step else { return None };
+            keys.push(key.as_str());
+        }
+        Some(keys)
     }
 
     /// Whether the path enters a list.

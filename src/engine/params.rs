@@ -403,16 +403,12 @@ fn set_value(text: &str) -> std::result::Result<Value, String> {
 
 /// What was found in the place of a name; where it reads like one of the names, how that name is written.
 pub(crate) fn no_name(found: &Value, names: &[String]) -> String {
-    let words = match found {
-        Value::Integer(_) | Value::Float(_) => format!("the number {found}"),
-        Value::Boolean(_) => format!("the truth value {found}"),
-        other => shown(Some(other)),
-    };
     let name = found.to_string();
-    if names.contains(&name) {
-        return format!("{words}; as a name it is written in quotes: \"{name}\"");
+    if !names.contains(&name) {
+        return shown(Some(found));
     }
-    words
+    let kind = if found.is_bool() { "truth value" } else { "number" };
+    format!("the {kind} {name}; as a name it is written in quotes: \"{name}\"")
 }
 
 fn is_name(text: &str) -> bool {

@@ -5,23 +5,32 @@
 
 use std::io;
 use std::thread::{Builder, Scope, ScopedJoinHandle};
+use std::time::Duration;
 
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
 use crate::engine::error::{Error, Result};
+
+/// How often one worker is asked for again.
+const PATIENCE: u32 = 20;
+/// The wait between two attempts.
+const PAUSE: Duration = Duration::from_millis(10);
 
 /// A pool of so many workers, or of as many as the system gives.
 ///
 /// # Errors
 /// Not even one thread can be started.
 pub(crate) fn pool(wanted: usize) -> Result<ThreadPool> {
-    let mut workers = wanted.max(1);
+    let (mut workers, mut patience) = (wanted.max(1), PATIENCE);
     loop {
         match ThreadPoolBuilder::new().num_threads(workers).build() {
             Ok(pool) => return Ok(pool),
             Err(_) if workers > 1 => workers /= 2,
-            Err(why) => return Err(Error::NoThread(io::Error::other(why))),
+            Err(why) if patience == 0 => return Err(Error::NoThread(io::Error::other(why))),
+            Err(_) => patience -= 1,
         }
+        // The workers of the pool that came to nothing are still ending, and count until they have.
+        std::thread::sleep(PAUSE);
     }
 }
 

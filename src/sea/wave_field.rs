@@ -73,13 +73,15 @@ impl Record {
         expect(
             many(periods * u64::from(eta), 2 * modes + 1, MOST_SAMPLES),
             "samples_per_period",
-            format!("more than 2 x {modes} and at most {MOST_SAMPLES} samples per field of {periods} periods"),
+            format!(
+                "more than 2 x {modes} and at most {MOST_SAMPLES} samples per field of `periods_per_field` = {periods}"
+            ),
             u64::from(eta),
         )?;
         expect(
             many(periods * u64::from(rho), 2 * modes, most),
             "envelope_samples_per_period",
-            format!("from 2 x {modes} to {most} samples per field of {periods} periods"),
+            format!("from 2 x {modes} to {most} samples per field of `periods_per_field` = {periods}"),
             u64::from(rho),
         )
     }
