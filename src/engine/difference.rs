@@ -189,13 +189,7 @@ impl Walk {
 
     fn lists(&mut self, a: &[Tree], b: &[Tree], path: &Path<'_>) {
         if a.len() != b.len() {
-            let count = |list: &[Tree]| {
-                if list.len() == 1 {
-                    "1 entry".to_owned()
-                } else {
-                    format!("{} entries", grouped(list.len() as u64))
-                }
-            };
+            let count = |list: &[Tree]| count::counted_as(grouped(list.len() as u64), "entry", "entries");
             self.found(path, || (count(a), count(b)), None);
         }
         for (place, (a, b)) in a.iter().zip(b).enumerate() {

@@ -8,6 +8,8 @@
 //!
 //! Tested in `tests/plots/axes.rs`.
 
+use std::fmt::Write;
+
 use super::axes::{Tick, fixed, round_values};
 use crate::text::number::{power_of_ten, short};
 
@@ -67,10 +69,10 @@ impl Unit {
     fn axis(&self, label: &str) -> String {
         let mut words = String::new();
         if self.offset != 0.0 {
-            words.push_str(&format!(" from {}", long(self.offset)));
+            let _ = write!(words, " from {}", long(self.offset));
         }
         if self.power != 0 {
-            words.push_str(&format!(" in {}", power_of_ten(self.power)));
+            let _ = write!(words, " in {}", power_of_ten(self.power));
         }
         if words.is_empty() || label.is_empty() {
             return label.to_owned();

@@ -4,6 +4,7 @@
 //! in a name; where a format cannot spell them, they become a blank.
 
 use std::borrow::Cow;
+use std::fmt::Write;
 
 use super::number::lowered;
 
@@ -70,7 +71,9 @@ pub fn tex(text: &str) -> String {
             '–' => escaped.push_str("--"),
             c if is_unsafe(c) => escaped.push(' '),
             c => match lowered(c) {
-                Some(raised) => escaped.push_str(&format!("$^{{{raised}}}$")),
+                Some(raised) => {
+                    let _ = write!(escaped, "$^{{{raised}}}$");
+                }
                 None => escaped.push(c),
             },
         }
@@ -118,7 +121,7 @@ pub fn json(text: &str) -> Cow<'_, str> {
     let mut spelled = String::with_capacity(text.len());
     for c in text.chars() {
         if moves(c) {
-            spelled.push_str(&format!("\\u{:04x}", u32::from(c)));
+            let _ = write!(spelled, "\\u{:04x}", u32::from(c));
         } else {
             spelled.push(c);
         }

@@ -67,7 +67,7 @@ impl Outputs<'_> {
             evidence.curves.extend(curves(&known, place));
         }
         for case in of_ship(&self.moments, ship) {
-            evidence.moments = moments(&*case.get()?, &evidence.epsilons);
+            evidence.moments = moments(&case.get()?, &evidence.epsilons);
         }
         for case in of_ship(&self.study, ship) {
             let known = case.get()?;

@@ -127,7 +127,7 @@ fn every_shape_has_its_path() {
     );
     reads(
         |it| it.ends[0] = End::Capsized { at: 0.0 },
-        &format!("ends[0]  Upright / Capsized of 1 fields; {one}"),
+        &format!("ends[0]  Upright / Capsized of 1 field; {one}"),
     );
     reads(|it| it.label.push('!'), &format!("label  `calm` / `calm!`; {one}"));
     reads(|it| it.pair.1 = 7, &format!("pair[1]  -7 / 7; {one}"));

@@ -299,7 +299,7 @@ fn json_is_json_whatever_stands_in_a_folders_name() {
     let hostile = folder.path().join("a\u{7f}\u{9b}31m\u{202e}");
     fs::create_dir_all(hostile.join("store/objects")).expect("a folder can be made");
     let program = Program::in_folder("tiny", &hostile);
-    let said = program.call(&["verify", "--store", "--json"]);
+    let said = program.call(&["verify", "--json"]);
     let value: serde_json::Value = serde_json::from_str(&said.stdout).expect("the answer is JSON");
     let named = value["store"].as_str().expect("the store is named");
     assert!(named.contains("a\u{7f}\u{9b}31m\u{202e}"), "{named}");
