@@ -34,9 +34,15 @@ impl Plant {
             }
             Self::List(list) => {
                 bytes.extend(length(list.len()));
-                list.iter().for_each(|part| part.write(bytes));
+                for part in list {
+                    part.write(bytes);
+                }
             }
-            Self::Fields(fields) => fields.iter().for_each(|(_, part)| part.write(bytes)),
+            Self::Fields(fields) => {
+                for (_, part) in fields {
+                    part.write(bytes);
+                }
+            }
         }
     }
 
@@ -165,30 +171,29 @@ struct Growing {
 }
 
 impl Growing {
-    fn new(tag: Option<u32>, is_list: bool) -> Result<Self, Never> {
+    fn new(tag: Option<u32>, is_list: bool) -> Self {
         let parts = Vec::new();
-        Ok(Self { tag, is_list, parts })
+        Self { tag, is_list, parts }
     }
 
-    fn add<T: Serialize + ?Sized>(&mut self, name: &str, value: &T) -> Result<(), Never> {
+    fn add<T: Serialize + ?Sized>(&mut self, name: &str, value: &T) {
         let name = if name.is_empty() {
             self.parts.len().to_string()
         } else {
             name.to_owned()
         };
         self.parts.push((name, plant(value)));
-        Ok(())
     }
 
-    fn grown(self) -> Planted {
+    fn grown(self) -> Plant {
         let tag = self
             .tag
             .map(|tag| ("tag".to_owned(), Plant::Fixed(tag.to_le_bytes().to_vec())));
-        Ok(if self.is_list {
+        if self.is_list {
             Plant::List(self.parts.into_iter().map(|(_, part)| part).collect())
         } else {
             Plant::Fields(tag.into_iter().chain(self.parts).collect())
-        })
+        }
     }
 }
 
@@ -260,30 +265,30 @@ impl Serializer for Planter {
         _: &'static str,
         value: &T,
     ) -> Planted {
-        let mut growing = Growing::new(Some(index), false)?;
-        growing.add("", value)?;
-        growing.grown()
+        let mut growing = Growing::new(Some(index), false);
+        growing.add("", value);
+        Ok(growing.grown())
     }
     fn serialize_seq(self, _: Option<usize>) -> Result<Growing, Never> {
-        Growing::new(None, true)
+        Ok(Growing::new(None, true))
     }
     fn serialize_tuple(self, _: usize) -> Result<Growing, Never> {
-        Growing::new(None, false)
+        Ok(Growing::new(None, false))
     }
     fn serialize_tuple_struct(self, _: &'static str, _: usize) -> Result<Growing, Never> {
-        Growing::new(None, false)
+        Ok(Growing::new(None, false))
     }
     fn serialize_tuple_variant(self, _: &'static str, i: u32, _: &'static str, _: usize) -> Result<Growing, Never> {
-        Growing::new(Some(i), false)
+        Ok(Growing::new(Some(i), false))
     }
     fn serialize_map(self, _: Option<usize>) -> Result<Growing, Never> {
-        Growing::new(None, true)
+        Ok(Growing::new(None, true))
     }
     fn serialize_struct(self, _: &'static str, _: usize) -> Result<Growing, Never> {
-        Growing::new(None, false)
+        Ok(Growing::new(None, false))
     }
     fn serialize_struct_variant(self, _: &'static str, i: u32, _: &'static str, _: usize) -> Result<Growing, Never> {
-        Growing::new(Some(i), false)
+        Ok(Growing::new(Some(i), false))
     }
 }
 
@@ -293,10 +298,11 @@ macro_rules! grow {
             type Ok = Plant;
             type Error = Never;
             fn $method<T: Serialize + ?Sized>(&mut self, value: &T) -> Result<(), Never> {
-                self.add("", value)
+                self.add("", value);
+                Ok(())
             }
             fn end(self) -> Planted {
-                self.grown()
+                Ok(self.grown())
             }
         }
     )*};
@@ -315,10 +321,11 @@ macro_rules! grow_named {
             type Ok = Plant;
             type Error = Never;
             fn serialize_field<T: Serialize + ?Sized>(&mut self, name: &'static str, value: &T) -> Result<(), Never> {
-                self.add(name, value)
+                self.add(name, value);
+                Ok(())
             }
             fn end(self) -> Planted {
-                self.grown()
+                Ok(self.grown())
             }
         }
     )*};
@@ -341,6 +348,6 @@ impl ser::SerializeMap for Growing {
         Ok(())
     }
     fn end(self) -> Planted {
-        self.grown()
+        Ok(self.grown())
     }
 }
