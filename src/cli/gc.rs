@@ -9,7 +9,8 @@ use std::process::{Command, Stdio};
 use clap::Args;
 use serde_json::json;
 
-use crate::cli::{Common, print_json, progress, say, stale};
+use crate::cli::session::Common;
+use crate::cli::{print_json, progress, say, stale};
 use crate::engine::error::{Error, Result};
 use crate::engine::gc::{self, Alone, BOUND, Sweep, carry_out, locks_in, plan};
 use crate::stages::PIPELINE;

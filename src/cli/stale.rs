@@ -2,8 +2,9 @@
 
 use serde_json::json;
 
+use crate::cli::session::Common;
 use crate::cli::words::counted;
-use crate::cli::{Common, print_json, say};
+use crate::cli::{print_json, say};
 use crate::engine::error::Result;
 use crate::engine::leftover::remove_leftovers;
 
