@@ -26,6 +26,7 @@ use crate::stages::axes::SHIP;
 
 /// Arguments of `encounter run`.
 #[derive(Debug, Args)]
+#[expect(clippy::struct_excessive_bools, reason = "each is an option of the command line")]
 pub struct RunArgs {
     /// Stages, nodes (STAGE/CASE/PIECE) or outputs (table1); all of them by default
     pub(super) target: Vec<String>,
