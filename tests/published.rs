@@ -219,7 +219,8 @@ fn compared() -> Vec<String> {
     for folder in ["artifacts", "figures", "figures/printed", "stages", "src/ship"] {
         let entries = fs::read_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join(folder)).expect("a folder");
         let files = entries.flatten().filter(|entry| entry.path().is_file());
-        let is_store = |name: &str| folder == "artifacts" && !name.ends_with(".lock") || name == "store.lock";
+        let is_lock = |name: &str| Path::new(name).extension().is_some_and(|extension| extension == "lock");
+        let is_store = |name: &str| folder == "artifacts" && (!is_lock(name) || name == "store.lock");
         let names = files.map(|entry| entry.file_name().to_string_lossy().into_owned());
         paths.extend(
             names

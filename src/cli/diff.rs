@@ -5,8 +5,9 @@ use std::path::Path;
 use clap::Args;
 use serde_json::json;
 
+use crate::cli::session::{Common, Profile};
 use crate::cli::words::{self, Line};
-use crate::cli::{Common, Profile, print_json, say};
+use crate::cli::{print_json, say};
 use crate::engine::disk::read_text;
 use crate::engine::error::Result;
 use crate::engine::lock::Lock;

@@ -8,8 +8,8 @@ use std::time::Instant;
 use clap::Args;
 use serde_json::json;
 
-use crate::cli::session::Session;
-use crate::cli::{Common, print_json, say};
+use crate::cli::session::{Common, Session};
+use crate::cli::{print_json, say};
 use crate::engine::audit::{Audit, audit};
 use crate::engine::error::{Error, Result};
 use crate::engine::figures;

@@ -5,7 +5,8 @@ use std::path::Path;
 use clap::{Args, ValueEnum};
 use serde_json::json;
 
-use crate::cli::{Common, Profile, print_json, progress, say, stale};
+use crate::cli::session::{Common, Profile};
+use crate::cli::{print_json, progress, say, stale};
 use crate::engine::claim;
 use crate::engine::error::{Error, Result};
 use crate::engine::gc::{self, Alone, BOUND, Sweep, plan};

@@ -3,7 +3,8 @@
 use clap::{Args, ValueEnum};
 use serde_json::json;
 
-use crate::cli::{Common, print_json, say};
+use crate::cli::session::Common;
+use crate::cli::{print_json, say};
 use crate::engine::chart::chart;
 use crate::engine::chart_svg::svg;
 use crate::engine::chart_text::{dot, mermaid};

@@ -18,11 +18,10 @@ pub mod why;
 mod words;
 
 use std::io::{self, Write};
-use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::{Mutex, PoisonError};
 
-use clap::{Args, Parser, Subcommand, ValueEnum};
+use clap::{Parser, Subcommand};
 
 use crate::engine::error::{Error, Result};
 use crate::engine::target::Target;
@@ -58,54 +57,6 @@ enum Verb {
     Gc(gc::GcArgs),
     /// Say whether this machine can make the paper, how long that takes, and whether the store is whole
     Doctor(doctor::DoctorArgs),
-}
-
-/// Options of every verb.
-#[derive(Debug, Args)]
-pub struct Common {
-    /// The scale: the paper's own, a minute's, or seconds'
-    #[arg(long, value_enum, default_value = "paper")]
-    profile: Profile,
-    /// A parameter file laid over the profile; may be repeated
-    #[arg(long, value_name = "FILE")]
-    overlay: Vec<PathBuf>,
-    /// One parameter, such as sea.S2.bandwidth=0.035; may be repeated
-    #[arg(long, value_name = "KEY=VALUE")]
-    set: Vec<String>,
-    /// The folder of cached outputs [default: artifacts]
-    #[arg(long, value_name = "DIR")]
-    store: Option<PathBuf>,
-    /// The folder of figures [default: figures for the paper profile, artifacts/figures/PROFILE for another, for a
-    /// what-if (--overlay, --set) artifacts/figures/NAME, or whatif-HASH of what differs]
-    #[arg(long, value_name = "DIR")]
-    figures: Option<PathBuf>,
-    /// The name of a what-if, whose figures lie in artifacts/figures/NAME with their parameters: at most 64 letters,
-    /// digits, `_` and `-`
-    #[arg(long, value_name = "NAME")]
-    name: Option<String>,
-    /// Print one JSON object on standard output
-    #[arg(long)]
-    json: bool,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum Profile {
-    Paper,
-    Quick,
-    Tiny,
-}
-
-/// The profiles, which have folders and locks of their names.
-const PROFILES: [&str; 3] = ["paper", "quick", "tiny"];
-
-impl Profile {
-    fn name(self) -> &'static str {
-        match self {
-            Self::Paper => "paper",
-            Self::Quick => "quick",
-            Self::Tiny => "tiny",
-        }
-    }
 }
 
 /// Reads a target. All epsilon_1 of a ship lie in one node, so `nic/calibrated-S1-0.002` is `nic/calibrated-S1`.

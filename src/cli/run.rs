@@ -9,9 +9,8 @@ use serde_json::json;
 use crate::cli::interrupt::STOP;
 use crate::cli::locked::Compared;
 use crate::cli::progress::{Progress, tell};
-use crate::cli::session::Session;
-
-use crate::cli::{Common, gc, locked, print_json, same_bits, say, status, timing};
+use crate::cli::session::{Common, Session};
+use crate::cli::{gc, locked, print_json, same_bits, say, status, timing};
 use crate::engine::code;
 use crate::engine::error::{Error, Result};
 use crate::engine::event::{Event, Fate};
@@ -27,6 +26,7 @@ use crate::text::count::counted;
 
 /// Arguments of `encounter run`.
 #[derive(Debug, Args)]
+#[expect(clippy::struct_excessive_bools, reason = "each is an option of the command line")]
 pub struct RunArgs {
     /// Stages, nodes (STAGE/CASE/PIECE) or outputs (table1); all of them by default
     pub(super) target: Vec<String>,

@@ -1,8 +1,10 @@
-//! Session: what a verb works on, resolved once from the options: parameters, graph, store, checkout, figures and lock.
+//! Session: the options of every verb, and what they come to: parameters, graph, store, checkout, figures and lock.
 
 use std::path::{Path, PathBuf};
 
-use crate::cli::{Common, PROFILES, Profile, progress, target};
+use clap::{Args, ValueEnum};
+
+use crate::cli::{progress, target};
 use crate::engine::checkout::{Checkout, check_name, derived_name};
 use crate::engine::claim;
 use crate::engine::error::{Error, Result};
@@ -15,6 +17,54 @@ use crate::engine::store::Store;
 use crate::engine::target::Target;
 use crate::stages::PIPELINE;
 use crate::stages::axes::SHIP;
+
+/// Options of every verb.
+#[derive(Debug, Args)]
+pub(super) struct Common {
+    /// The scale: the paper's own, a minute's, or seconds'
+    #[arg(long, value_enum, default_value = "paper")]
+    pub(super) profile: Profile,
+    /// A parameter file laid over the profile; may be repeated
+    #[arg(long, value_name = "FILE")]
+    pub(super) overlay: Vec<PathBuf>,
+    /// One parameter, such as sea.S2.bandwidth=0.035; may be repeated
+    #[arg(long, value_name = "KEY=VALUE")]
+    pub(super) set: Vec<String>,
+    /// The folder of cached outputs [default: artifacts]
+    #[arg(long, value_name = "DIR")]
+    pub(super) store: Option<PathBuf>,
+    /// The folder of figures [default: figures for the paper profile, artifacts/figures/PROFILE for another, for a
+    /// what-if (--overlay, --set) artifacts/figures/NAME, or whatif-HASH of what differs]
+    #[arg(long, value_name = "DIR")]
+    pub(super) figures: Option<PathBuf>,
+    /// The name of a what-if, whose figures lie in artifacts/figures/NAME with their parameters: at most 64 letters,
+    /// digits, `_` and `-`
+    #[arg(long, value_name = "NAME")]
+    pub(super) name: Option<String>,
+    /// Print one JSON object on standard output
+    #[arg(long)]
+    pub(super) json: bool,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum Profile {
+    Paper,
+    Quick,
+    Tiny,
+}
+
+/// The profiles, which have folders and locks of their names.
+const PROFILES: [&str; 3] = ["paper", "quick", "tiny"];
+
+impl Profile {
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            Self::Paper => "paper",
+            Self::Quick => "quick",
+            Self::Tiny => "tiny",
+        }
+    }
+}
 
 /// What a verb works on.
 pub(super) struct Session {

@@ -3,7 +3,8 @@
 use clap::Args;
 use serde_json::json;
 
-use crate::cli::{Common, print_json, say, target};
+use crate::cli::session::Common;
+use crate::cli::{print_json, say, target};
 use crate::engine::error::{Error, Result};
 use crate::engine::plan::decide_all;
 use crate::engine::run::{Decision, Run};

@@ -2,7 +2,8 @@
 
 use serde_json::json;
 
-use crate::cli::{Common, print_json, say};
+use crate::cli::session::Common;
+use crate::cli::{print_json, say};
 use crate::engine::error::Result;
 use crate::engine::leftover::remove_leftovers;
 use crate::text::count::counted;

@@ -3,9 +3,9 @@
 use clap::Args;
 use serde_json::json;
 
-use crate::cli::session::Session;
+use crate::cli::session::{Common, Session};
 use crate::cli::words::{self, Line};
-use crate::cli::{Common, print_json, say, status, target};
+use crate::cli::{print_json, say, status, target};
 use crate::engine::code;
 use crate::engine::error::Result;
 use crate::engine::plan::Plan;

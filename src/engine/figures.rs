@@ -3,7 +3,7 @@
 //!
 //! Tested in `tests/cache/publish.rs` and `tests/cli/figures.rs`.
 
-use std::fs::{self, File, OpenOptions, Permissions};
+use std::fs::{self, File, OpenOptions};
 use std::io::{self, ErrorKind, Read, Write};
 use std::path::{Path, PathBuf};
 
@@ -157,10 +157,9 @@ impl Written {
 fn temporary(folder: &Path) -> io::Result<NamedTempFile> {
     let mut builder = Builder::new();
     builder.prefix(HEAD).suffix(TAIL).rand_bytes(DIGITS);
-    let permissions = permissions();
-    if let Some(permissions) = permissions {
-        builder.permissions(permissions);
-    }
+    // The user's mask takes from these what it takes from any new file.
+    #[cfg(unix)]
+    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
     // An empty folder is this one.
     let folder = if folder.as_os_str().is_empty() {
         Path::new(".")
@@ -171,17 +170,6 @@ fn temporary(folder: &Path) -> io::Result<NamedTempFile> {
     // Where the file system has no locks, nothing is taken for a dead run's either.
     let _ = file.as_file().try_lock();
     Ok(file)
-}
-
-#[cfg(unix)]
-fn permissions() -> Option<Permissions> {
-    use std::os::unix::fs::PermissionsExt;
-    Some(Permissions::from_mode(0o666))
-}
-
-#[cfg(not(unix))]
-fn permissions() -> Option<Permissions> {
-    None
 }
 
 /// Writes one text that people read by way of a temporary file and a rename; on an error nothing is left.

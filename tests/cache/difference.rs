@@ -202,7 +202,7 @@ fn the_distance_counts_the_doubles_between() {
 fn published_text_differs_in_a_line_of_a_file() {
     let files = |csv: &str, svg: &str| {
         codec::encode(&Published::new(
-            "fig1",
+            "printed",
             [("csv", csv.to_owned()), ("svg", svg.to_owned())],
         ))
         .expect("text")
@@ -216,15 +216,15 @@ fn published_text_differs_in_a_line_of_a_file() {
     let new = files("theta_t,p\n0.1,0.5\n0.2,0.26\n", "<svg>\n</svg>\n");
     assert_eq!(
         told(&old, &new).as_deref(),
-        Some("fig1.csv, line 3  `0.2,0.25` / `0.2,0.26`; 1 of 7 differ")
+        Some("printed.csv, line 3  `0.2,0.25` / `0.2,0.26`; 1 of 7 differ")
     );
     let longer = files("theta_t,p\n0.1,0.5\n0.2,0.25\n", "<svg>\n<g/>\n</svg>\n");
     assert_eq!(
         told(&old, &longer).as_deref(),
-        Some("fig1.svg, line 2  `</svg>` / `<g/>`; 3 of 8 differ")
+        Some("printed.svg, line 2  `</svg>` / `<g/>`; 3 of 8 differ")
     );
     let ends = files("theta_t,p\r\n0.1,0.5\n0.2,0.25\n", "<svg>\n</svg>\n");
-    assert!(told(&old, &ends).is_some_and(|told| told.starts_with("fig1.csv, line 1  ")));
+    assert!(told(&old, &ends).is_some_and(|told| told.starts_with("printed.csv, line 1  ")));
     // A long line is cut to where it begins to differ.
     let long = |digit: char| {
         files(
@@ -234,7 +234,7 @@ fn published_text_differs_in_a_line_of_a_file() {
     };
     let told = told(&long('3'), &long('4')).expect("they differ");
     assert!(
-        told.starts_with("fig1.svg, line 1  `..1 1 ") && told.len() < 220,
+        told.starts_with("printed.svg, line 1  `..1 1 ") && told.len() < 220,
         "{told}"
     );
     assert!(told.contains(" 32 2 ") && told.contains(" 42 2 "), "{told}");

@@ -384,7 +384,9 @@ fn the_same_difference_from_the_profile_has_the_same_name_however_it_is_written(
         params
             .layer("base.toml", "[sea.S1]\nheight = 12.0\nbins = 7\nlist = [1, 2]\n")
             .expect("the parameters are TOML");
-        sets.iter().for_each(|set| params.set(set).expect("an assignment"));
+        for set in sets {
+            params.set(set).expect("an assignment");
+        }
         params
     };
     let base = params(&[]);

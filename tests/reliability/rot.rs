@@ -201,7 +201,7 @@ fn what_a_damaged_list_of_pieces_named_is_still_kept() {
 #[test]
 fn a_damaged_memory_of_published_files_only_keeps_more_copies() {
     let mut house = House::lived_in(&[]);
-    let memory = house.path("store/published");
+    let memory = house.path("artifacts/published");
     fs::write(&memory, b"\xff\xfe\n\0").expect("a file can be damaged");
     house.set("pinned.item=4");
     let done = house.run();
