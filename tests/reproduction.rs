@@ -25,6 +25,30 @@ fn committed(profile: &str) -> Lock {
 
 const NOTHING: [&str; 0] = [];
 
+/// The paper's seas and ships at 1:64 by Froude's law: every factor is a power of two, so that the scaling is exact.
+const MODEL_AT_1_TO_64: &str = "
+record.lead_in = 62.5
+detection.smallest_amplitude = 0.015625
+sea.S1 = { significant_wave_height = 0.1875, peak_period = 1.875, bandwidth = 0.16 }
+sea.S2 = { significant_wave_height = 0.1875, peak_period = 1.875, bandwidth = 0.24 }
+sea.S3 = { significant_wave_height = 0.1875, peak_period = 1.875, bandwidth = 0.32 }
+sea.S4 = { significant_wave_height = 0.1875, peak_period = 1.875 }
+[ship.printed]
+alpha_1 = 0.08
+alpha_2 = 0.0065
+beta_1 = 7.52
+beta_2 = -5.76
+epsilon_1 = [0.0, 81.92, 163.84]
+epsilon_2 = 16.384
+[ship.calibrated]
+alpha_1 = 0.08
+alpha_2 = 0.0065
+beta_1 = 9.3824
+beta_2 = -6.784
+epsilon_1 = [0.0, 9.8304, 19.6608]
+epsilon_2 = 9.78944
+";
+
 #[test]
 fn tiny_is_the_same_on_one_and_two_threads() {
     let (one, two) = (lock_of("tiny", "1"), lock_of("tiny", "2"));
@@ -43,6 +67,57 @@ fn quick_is_the_committed_one_on_one_and_two_threads() {
     for workers in ["2", "1"] {
         assert_eq!(between(&committed, &lock_of("quick", workers)), NOTHING, "-j {workers}");
     }
+}
+
+/// Lengths and times of the model in shares of the paper's, and the excitation's 1/(m s^2).
+const MODEL_FACTORS: [f64; 3] = [1.0 / 64.0, 1.0 / 8.0, 64.0 * 64.0];
+
+/// Whether a cell of the model's table is the paper's own, or its number times one of the factors, to the last bit.
+fn is_scaled(found: &str, expected: &str) -> bool {
+    let number = |cell: &str| cell.parse::<f64>().ok();
+    let times_a_factor = |(found, expected): (f64, f64)| {
+        MODEL_FACTORS
+            .iter()
+            .any(|factor| found.to_bits() == (expected * factor).to_bits())
+    };
+    found == expected || number(found).zip(number(expected)).is_some_and(times_a_factor)
+}
+
+#[test]
+fn a_model_by_froudes_law_has_the_papers_groups_and_tables_to_the_bit() {
+    let program = Program::new("tiny");
+    let overlay = program.file("model.toml", MODEL_AT_1_TO_64);
+    let [full, model] = ["full", "model"].map(|name| program.path(name));
+    program.exits(0, &["run", "--figures", &full.display().to_string()]);
+    let model_folder = model.display().to_string();
+    program.exits(0, &["run", "--overlay", &overlay, "--figures", &model_folder]);
+    let mut tables = 0;
+    for folder in ["", "printed"] {
+        for entry in std::fs::read_dir(full.join(folder)).expect("a folder of figures") {
+            let name = entry.expect("an entry").file_name();
+            let [expected, found] = [&full, &model].map(|root| root.join(folder).join(&name));
+            if expected.extension().is_none_or(|extension| extension != "csv") {
+                continue;
+            }
+            let [expected, found] = [expected, found].map(|path| std::fs::read_to_string(path).expect("a table"));
+            if ["groups.csv", "table1.csv", "findings.csv"]
+                .iter()
+                .any(|own| name == *own)
+            {
+                assert_eq!(found, expected, "{folder}/{}", name.display());
+            }
+            assert_eq!(found.lines().count(), expected.lines().count());
+            for (found, expected) in found.lines().zip(expected.lines()) {
+                let mut cells = found.split(',').zip(expected.split(','));
+                assert!(
+                    cells.all(|(found, expected)| is_scaled(found, expected)),
+                    "{found} for {expected}"
+                );
+            }
+            tables += 1;
+        }
+    }
+    assert!(tables > 20, "{tables}");
 }
 
 #[test]

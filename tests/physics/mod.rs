@@ -29,6 +29,7 @@ mod response;
 mod rk4;
 mod roll_equation;
 mod roll_twin;
+mod scaling;
 mod seas;
 mod self_test;
 mod sums;
