@@ -217,7 +217,13 @@ fn a_part_of_the_paper_computes_only_what_it_needs() {
         .map(|entry| entry.expect("an entry").file_name().to_string_lossy().into_owned())
         .collect();
     files.sort();
-    assert_eq!(files, ["fig3_exceedance.csv", "fig3_exceedance.svg", "truth.csv"]);
+    let expected = [
+        "fig3_exceedance.csv",
+        "fig3_exceedance.svg",
+        "parameters.toml",
+        "truth.csv",
+    ];
+    assert_eq!(files, expected);
 }
 
 #[test]

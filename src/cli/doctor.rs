@@ -262,9 +262,11 @@ fn unwritable(session: &Session) -> Vec<String> {
         "quarantine",
     ];
     let store = std::iter::once("").chain(folders).map(|name| session.store.join(name));
-    let in_store = store.map(|folder| figures::probe(&folder)).find_map(Result::err);
+    let in_store = store
+        .map(|folder| figures::probe("write to", &folder))
+        .find_map(Result::err);
     let figures = publish::check_folder(&session.graph, SHIP, &session.ships, &session.set()).err();
-    let artifacts = figures::probe(&session.checkout.artifacts()).err();
+    let artifacts = figures::probe("write to", &session.checkout.artifacts()).err();
     let told = |what: &str, option: &str, error: Option<Error>| {
         error.map(|error| format!("{what}: {error}; make it writable, or choose another folder with {option}"))
     };

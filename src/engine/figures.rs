@@ -182,11 +182,12 @@ pub fn write(path: &Path, text: &str) -> Result<()> {
     Written::beside(path, text.as_bytes())?.put()
 }
 
-/// Makes sure that files can be made in a folder, or in the nearest one above it that is there.
+/// Makes sure that files can be made in a folder, or in the nearest one above it that is there; `action` is what an error
+/// says was tried.
 ///
 /// # Errors
 /// A folder in which no file can be made.
-pub fn probe(folder: &Path) -> Result<()> {
+pub fn probe(action: &'static str, folder: &Path) -> Result<()> {
     // Without the slash at its end, which hides a file of the same name.
     let folder: PathBuf = folder.components().collect();
     let there = folder.ancestors().find(|path| path.symlink_metadata().is_ok());
@@ -195,7 +196,7 @@ pub fn probe(folder: &Path) -> Result<()> {
         Err(why) if why.kind() == ErrorKind::NotFound => Ok(()),
         closed => closed,
     });
-    made.map_err(Error::io("write to", folder))
+    made.map_err(Error::io(action, folder))
 }
 
 /// Removes the temporary files that killed runs left in a folder: regular, of a name that only we give, and unlocked.

@@ -202,7 +202,7 @@ pub fn check_folder(graph: &Graph, axis: Axis, values: &[String], set: &Set<'_>)
     for prefix in folders.collect::<BTreeSet<_>>() {
         let folder = set.folder.join(prefix);
         figures::refuse_links(set.folder, &folder)?;
-        figures::probe(&folder)?;
+        figures::probe("write figures to", &folder)?;
     }
     Ok(())
 }

@@ -71,7 +71,7 @@ fn a_store_or_a_figures_folder_in_which_no_file_can_be_made_is_a_problem_that_is
     // Not even the superuser makes a file in /proc.
     for folder in ["/proc/figures", figures.as_str()] {
         let said = program.exits(3, &["doctor", "--figures", folder]);
-        let told = format!("problem  figures: cannot write to {folder}");
+        let told = format!("problem  figures: cannot write figures to {folder}");
         assert!(said.stdout.contains(&told), "{}", said.stdout);
         assert!(
             said.stdout.contains("with --figures") && !said.stdout.contains("all is well"),
