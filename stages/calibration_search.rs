@@ -141,7 +141,7 @@ impl Params {
         of_states(&self.record)?;
         let known = self.calibration.known.iter();
         let known = known.map(|it| Candidate::of_values(&it.values, &self.ship, Reading::Plain).ship(&self.ship));
-        let known: Vec<Ship> = std::iter::once(self.ship.clone()).chain(known).collect();
+        let known: Vec<Ship> = known.collect();
         let corners = corners(&self.calibration.bounds, &self.ship);
         let mut warnings = Vec::new();
         let first = self.sea.values().next();
@@ -155,19 +155,20 @@ impl Params {
                 ));
             }
             let grid = waves.grid(&self.record);
+            // The coefficients are those of a candidate, not the ship's own.
+            let candidate = |why: &str| why.replace("`ship.", "`");
             for ship in &corners {
                 let stable = resolution::check(ship, self.truth.capsize_angle, &grid);
-                // The coefficients are those of a candidate, not the ship's own.
-                let candidate = |why: String| why.replace("`ship.", "`");
                 stable.map_err(|why| {
-                    format!(
-                        "{}; a search may try such a ship (`calibration.bounds`)",
-                        candidate(why)
-                    )
+                    let why = candidate(&why);
+                    format!("{why}; a search may try such a ship (`calibration.bounds`)")
                 })?;
             }
+            warnings.extend(of_roll(&self.ship, &self.truth, &grid)?);
             for ship in &known {
-                warnings.extend(of_roll(ship, &self.truth, &grid)?);
+                let of_set = |why: &String| format!("{}; a set of `calibration.known`", candidate(why));
+                let found = of_roll(ship, &self.truth, &grid).map_err(|why| of_set(&why))?;
+                warnings.extend(found.iter().map(of_set));
             }
         }
         Ok(warnings)

@@ -231,10 +231,23 @@ fn verify_store(args: &VerifyArgs, session: &Session) -> Result<()> {
     if let Some(first) = differences.first() {
         told.push(format!("the lock differs from the store: {first}"));
     }
-    if told.is_empty() {
-        Ok(())
-    } else {
-        Err(Error::Difference(told.join("\n")))
+    if !told.is_empty() {
+        return Err(Error::Difference(told.join("\n")));
+    }
+    match found.unreadable.as_slice() {
+        [] => Ok(()),
+        [first, others @ ..] => {
+            let why = format!(
+                "{}; {} like it; nothing was moved",
+                first.why,
+                counted(others.len(), "more file")
+            );
+            Err(Error::Io {
+                action: "know whether this is sound:",
+                path: session.store.join(&first.path),
+                source: std::io::Error::other(why),
+            })
+        }
     }
 }
 
@@ -266,6 +279,7 @@ fn bar_of_bytes() -> ProgressBar {
 
 fn print_audit(found: &Audit, differences: &[String], store: &Path, seconds: f64) {
     print_findings("damaged", &found.damaged);
+    print_findings("unreadable", &found.unreadable);
     print_findings("missing", &found.missing);
     print_findings("orphaned", &found.orphaned);
     for difference in differences {
@@ -294,11 +308,11 @@ fn print_findings(word: &str, findings: &[Finding]) {
         } else {
             format!(" ({})", it.node)
         };
-        say(format_args!("{word:<9} {}{node}: {}", it.path, it.why));
+        say(format_args!("{word:<10} {}{node}: {}", it.path, it.why));
     }
     if findings.len() > MOST {
         let more = grouped((findings.len() - MOST) as u64);
-        say(format_args!("{word:<9} and {more} more; --json lists all"));
+        say(format_args!("{word:<10} and {more} more; --json lists all"));
     }
 }
 

@@ -101,11 +101,11 @@ pub(crate) fn mark(disk: &dyn Disk) -> Result<()> {
 /// Whether a file is a committed lock.
 fn is_lock(entry: &DirEntry) -> bool {
     let name = entry.file_name();
-    if !Path::new(&name)
+    let is_named_so = Path::new(&name)
         .extension()
-        .is_some_and(|extension| extension == "lock")
-        || !entry.file_type().is_ok_and(|kind| kind.is_file())
-    {
+        .is_some_and(|extension| extension == "lock");
+    // To open a pipe would be to wait for its other end.
+    if !is_named_so || !entry.file_type().is_ok_and(|kind| kind.is_file()) {
         return false;
     }
     let mut head = [0; LOCK.len()];

@@ -30,10 +30,10 @@ pub(crate) fn listed(store: &Store, folder: Folder) -> Result<Vec<Listed>> {
         match folder.division(&name).filter(|_| entry.kind == Kind::Folder) {
             Some(division) => {
                 for inner in entries(store, &division)? {
-                    found.push(listed_as(folder, &name, inner));
+                    found.push(listed_as(folder, &name, &inner));
                 }
             }
-            None => found.push(listed_as(folder, "", entry)),
+            None => found.push(listed_as(folder, "", &entry)),
         }
     }
     found.sort_by(|a, b| a.path.cmp(&b.path));
@@ -47,7 +47,7 @@ fn entries(store: &Store, at: &At) -> Result<Vec<Entry>> {
     }
 }
 
-fn listed_as(folder: Folder, division: &str, entry: Entry) -> Listed {
+fn listed_as(folder: Folder, division: &str, entry: &Entry) -> Listed {
     let name = entry.name.to_string_lossy();
     let place = entry
         .name

@@ -132,6 +132,7 @@ impl At {
     }
 
     /// The folder that it lies in.
+    #[must_use]
     pub fn parent(&self) -> Self {
         Self(self.0.rsplit_once('/').map_or("", |(parent, _)| parent).to_owned())
     }

@@ -339,17 +339,15 @@ impl<'g> Run<'g> {
     /// The same for the record alone.
     fn distrust_record(&self, node: usize, piece: usize, why: String) -> Error {
         let record = self.key(node, piece).map(Place::Record);
-        match record.map(|record| self.set_aside(&record)) {
-            Some(Err(error)) => error,
-            _ => {
-                let node = self.graph.nodes[node].piece_name(piece);
-                self.tell(&Event::DidDistrust {
-                    node: node.clone(),
-                    why: why.clone(),
-                });
-                Error::Distrusted { node, why }
-            }
+        if let Some(Err(error)) = record.map(|record| self.set_aside(&record)) {
+            return error;
         }
+        let node = self.graph.nodes[node].piece_name(piece);
+        self.tell(&Event::DidDistrust {
+            node: node.clone(),
+            why: why.clone(),
+        });
+        Error::Distrusted { node, why }
     }
 
     fn set_aside(&self, place: &Place) -> Result<()> {

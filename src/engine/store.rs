@@ -53,7 +53,7 @@ pub struct Store {
     /// What was moved to quarantine since it was last asked for: what it stood for, and where it is now.
     put_aside: Mutex<Vec<(String, PathBuf)>>,
     /// Held while this lives; none where there is no store yet, or a file system without locks.
-    _shared: Option<File>,
+    shared: Option<File>,
 }
 
 struct Pending {
@@ -152,7 +152,7 @@ impl Store {
             tag: RandomState::new().hash_one(std::process::id()),
             grown: AtomicBool::new(true),
             put_aside: Mutex::default(),
-            _shared: None,
+            shared: None,
         }
     }
 
@@ -160,7 +160,7 @@ impl Store {
         if !wait_for(self.disk.as_ref(), &file, false, waiting) {
             self.flight.go_without_locks();
         }
-        self._shared = Some(file);
+        self.shared = Some(file);
     }
 
     /// The store's folder.
@@ -186,7 +186,7 @@ impl Store {
     /// Takes a key, if nobody else is making it.
     pub(crate) fn hold(&self, key: &Key) -> Result<Hold> {
         let at = Place::KeyLock(*key).at();
-        let held = self.flight.hold(key).or_else(|why| {
+        self.flight.hold(key).or_else(|why| {
             // Pieces that wait for their synchronisation hold their locks: so many open files may be all there are.
             if is_out_of_files(&why) {
                 self.flush()?;
@@ -194,8 +194,7 @@ impl Store {
                 self.clear(&at, why).map_err(self.writing("make the lock", &at, 0))?;
             }
             self.flight.hold(key).map_err(self.writing("make the lock", &at, 0))
-        });
-        held
+        })
     }
 
     /// Waits until no other run writes to `runs/`; none where the file system has no locks.
@@ -361,7 +360,9 @@ impl Store {
         self.synchronise_folders(Folder::Records, &records)?;
         self.grown.store(false, Ordering::Relaxed);
         // The locks on the keys are let go of now that the records can be read.
-        waiting.into_iter().for_each(|pending| drop(pending.lock));
+        for pending in waiting {
+            drop(pending.lock);
+        }
         Ok(())
     }
 

@@ -223,6 +223,14 @@ pub fn check(ship: &Ship, capsize_angle: f64, grid: &Grid) -> Result<(), String>
     if h * rate <= STABLE {
         return Ok(());
     }
+    if !rate.is_finite() {
+        return Err(format!(
+            "record.samples_per_period: expected a ship whose motion has a finite rate, since no step resolves another, found \
+             {} up to `truth.capsize_angle` = {capsize_angle:e} rad in waves of `sea.significant_wave_height` = {} m",
+            told(ship, rate),
+            short(grid.h_s)
+        ));
+    }
     let expected = match (grid.samples_for(rate, STABLE), grid.samples_for(rate, ACCURATE)) {
         (Some(stable), Some(accurate)) => {
             format!("expected at least {stable}, where RK4 is stable, or {accurate}, where it is also accurate")
@@ -234,9 +242,14 @@ pub fn check(ship: &Ship, capsize_angle: f64, grid: &Grid) -> Result<(), String>
         ),
     };
     Err(format!(
-        "record.samples_per_period: {expected}, found {found}: the step of {h} s times the fastest rate of the ship, {}, \
+        "record.samples_per_period: {expected}, found {found}: the step of {h} s (`sea.peak_period` = {} s) times the fastest \
+         rate of the ship, {}, in crests of {} m (`sea.significant_wave_height` = {} m) up to `truth.capsize_angle` = {} rad, \
          must be at most {STABLE}; beyond it the integration itself grows and would be counted as capsizes",
-        told(ship, rate)
+        short(grid.t_p),
+        told(ship, rate),
+        short(grid.crest()),
+        short(grid.h_s),
+        short(capsize_angle)
     ))
 }
 
@@ -323,14 +336,15 @@ fn told(ship: &Ship, rate: f64) -> String {
         "quadratic"
     };
     format!(
-        "{} 1/s (`ship.beta_1` = {}, `ship.beta_2` = {}, `ship.epsilon_1` up to {}, `ship.alpha_1` = {}, {damping} \
-         `ship.alpha_2` = {}, at the highest crest)",
+        "{:?} 1/s (`ship.beta_1` = {:?}, `ship.beta_2` = {:?}, `ship.epsilon_1` up to {:?}, `ship.epsilon_2` = {:?}, \
+         `ship.alpha_1` = {:?}, {damping} `ship.alpha_2` = {:?}, at the highest crest)",
         short(rate),
-        ship.beta_1,
-        ship.beta_2,
-        ship.epsilon_1.last().copied().unwrap_or_default(),
-        ship.alpha_1,
-        ship.alpha_2,
+        short(ship.beta_1),
+        short(ship.beta_2),
+        short(ship.epsilon_1.last().copied().unwrap_or_default()),
+        short(ship.epsilon_2),
+        short(ship.alpha_1),
+        short(ship.alpha_2),
     )
 }
 

@@ -76,10 +76,11 @@ fn a_damaged_store_is_told_quarantined_and_repaired_by_a_run() {
         "records",
         "seconds",
         "store",
+        "unreadable",
     ];
     assert_eq!(keys(&sound), expected);
     let count = |answer: &Value, what: &str| answer[what].as_array().map(Vec::len);
-    for what in ["damaged", "missing", "orphaned", "differences"] {
+    for what in ["damaged", "missing", "orphaned", "unreadable", "differences"] {
         assert_eq!(count(&sound, what), Some(0), "{sound}");
     }
     assert!(sound["objects"].as_u64() > Some(0) && sound["bytes"].as_u64() > Some(0));
@@ -96,7 +97,7 @@ fn a_damaged_store_is_told_quarantined_and_repaired_by_a_run() {
         said.stderr
     );
     let first = said.stdout.lines().next().expect("a line");
-    assert!(first.starts_with("damaged   objects/"), "{first}");
+    assert!(first.starts_with("damaged    objects/"), "{first}");
     assert!(
         first.ends_with(" (groups): the bytes do not hash to the name"),
         "{first}"

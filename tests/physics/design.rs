@@ -463,7 +463,7 @@ fn the_paper_s_table_decodes_and_wrong_ones_are_refused() {
         (|s| s.total = 20, "total: expected at least initial = 30, found 20"),
         (
             |s| s.cap = 0.8,
-            "cap: expected more than theta_t = 0.9 of S2, found 0.8",
+            "cap: expected more than theta_t = 0.9 of S2 in `case`, found 0.8",
         ),
         (
             |s| s.domain[1] = [1.0, 1.0],
@@ -471,7 +471,8 @@ fn the_paper_s_table_decodes_and_wrong_ones_are_refused() {
         ),
         (
             |s| s.quadrature[1] = 0,
-            "quadrature: expected whole numbers >= 1, found [64, 0]",
+            "quadrature: expected whole numbers >= 1, at most 1024 each and 65536 nodes in all, since the model is asked at every node \
+             after every fit, found [64, 0]",
         ),
         (|s| s.tau[0] = 0.0, "tau: expected numbers > 0, found [0.0, 0.03]"),
         (

@@ -233,7 +233,8 @@ fn wrong_tables_are_refused() {
         (|s| s.tau[1] = -0.1, "tau: expected numbers >= 0, found [0.15, -0.1]"),
         (
             |s| s.quadrature[0] = 0,
-            "quadrature: expected whole numbers >= 1, found [0, 64]",
+            "quadrature: expected whole numbers >= 1, at most 1024 each and 65536 nodes in all, since the model is asked at every node \
+             after every fit, found [0, 64]",
         ),
         (|s| s.cap = 1.0, "cap: expected more than 1 (theta_t), found 1"),
         (

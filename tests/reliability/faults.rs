@@ -243,7 +243,9 @@ fn a_read_only_store_serves_what_it_has_and_no_more() {
     let Some(mount) = Mount::new("30m") else { return };
     let program = Program::in_folder("tiny", mount.0.path());
     let arguments = [&["groups"], SMALL.as_slice()].concat();
-    let run = [&["run"], arguments.as_slice()].concat();
+    let figures = tempfile::tempdir().expect("a temporary folder can be made");
+    let elsewhere = figures.path().display().to_string();
+    let run = [&["run", "--figures", &elsewhere], arguments.as_slice()].concat();
     assert_eq!(program.call(&run).code, 0);
     mount.remount("ro");
     let status = program.json(&[&["status"], arguments.as_slice()].concat());
@@ -251,11 +253,9 @@ fn a_read_only_store_serves_what_it_has_and_no_more() {
     assert!(nodes.iter().all(|node| node["cached"] == node["pieces"]), "{status}");
     assert_eq!(program.call(&[&["show"], arguments.as_slice()].concat()).code, 0);
     // With everything cached a run has nothing to write into the store.
-    let figures = tempfile::tempdir().expect("a temporary folder can be made");
-    let elsewhere = figures.path().display().to_string();
-    let served = program.call(&[run.as_slice(), &["--figures", &elsewhere]].concat());
+    let served = program.call(&run);
     assert_eq!(served.code, 0, "{}", served.stderr);
-    let said = program.call(&[run.as_slice(), &["--figures", &elsewhere, "--set", "run.seed=5"]].concat());
+    let said = program.call(&[run.as_slice(), &["--set", "run.seed=5"]].concat());
     assert_eq!(said.code, 5, "{}", said.stderr);
     assert!(said.stderr.contains("Read-only file system"), "{}", said.stderr);
 }

@@ -241,6 +241,12 @@ fn targets(store: &Path) -> Vec<(PathBuf, PathBuf)> {
 fn every_damage(share: usize) -> usize {
     let pieces = 5;
     let origin = Origin::new(pieces);
+    let other_lock = {
+        let (folder, _) = origin.copy(pieces);
+        let mut reader = house_in(folder.path(), pieces);
+        reader.set("total.shift=1");
+        reader.run().locked()
+    };
     let root = origin.folder.path().join("store");
     let all: Vec<(PathBuf, PathBuf, Damage)> = targets(&root)
         .into_iter()
@@ -284,10 +290,14 @@ fn every_damage(share: usize) -> usize {
             }
         }
         if check_run(&house, &origin.lock, &what, &path, refusable) {
-            assert_eq!(bad_entries(&house), NOTHING, "{what}");
             let again = house.run();
             assert_eq!(again.ran(), NOTHING, "{what}");
             assert_eq!(again.locked(), origin.lock, "{what}");
+            // What reads every piece heals what no run has needed until now.
+            let mut reader = house_in(folder.path(), pieces);
+            reader.set("total.shift=1");
+            assert_eq!(reader.run().locked(), other_lock, "{what}");
+            assert_eq!(bad_entries(&house), NOTHING, "{what}");
         }
         outside_is_untouched(folder.path());
     }
