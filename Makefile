@@ -13,4 +13,4 @@ verify:  ; cargo run --release -- verify --lock && cargo run --release -- verify
 verify-cpus: ; tests/verify_cpus.sh
 compare: ; cargo build --release && tests/compare/run
 bench:   ; cargo bench
-clean:   ; test ! -d artifacts || find artifacts -mindepth 1 -maxdepth 1 ! -name '*.lock' -exec rm -rf {} +
+clean:   ; test ! -d artifacts || find artifacts -mindepth 1 -maxdepth 1 \( ! -name '*.lock' -o -name store.lock \) -exec rm -rf {} +

@@ -43,7 +43,13 @@ pub(crate) fn check(root: &Path) -> Result<()> {
     if is_marked(root) {
         return Ok(());
     }
-    let (locks, others): (Vec<&DirEntry>, Vec<&DirEntry>) = entries.iter().partition(|entry| is_lock(entry));
+    // The lock on the whole, which holds nothing, may be all that was left of a store.
+    let is_left = |entry: &&DirEntry| {
+        entry.file_name() == *Place::StoreLock.at().text()
+            && entry.metadata().is_ok_and(|found| found.is_file() && found.len() == 0)
+    };
+    let entries = entries.iter().filter(|entry| !is_left(entry));
+    let (locks, others): (Vec<&DirEntry>, Vec<&DirEntry>) = entries.partition(|entry| is_lock(entry));
     let is_beside =
         |entry: &&&DirEntry| !locks.is_empty() && BESIDE_LOCKS.iter().any(|name| entry.file_name() == *name);
     let mut foreign: Vec<String> = others

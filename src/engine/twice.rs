@@ -42,7 +42,14 @@ pub(crate) fn error(run: &Run<'_>, node: usize, piece: usize, recorded: &str, by
 }
 
 fn without_the_recorded(run: &Run<'_>, node: usize, piece: usize, differs_from_itself: bool) -> String {
-    let kept = "the new output is kept in quarantine/, the recorded one is gone";
+    let record = run.key(node, piece).map(|key| run.store.path(&Place::Record(key)));
+    let record = record.map_or(String::new(), |path| {
+        format!(
+            "; in a store from elsewhere the record may be false: without {} it is made anew",
+            path.display()
+        )
+    });
+    let kept = format!("the new output is kept in quarantine/, the recorded one is gone{record}");
     if differs_from_itself {
         return format!("made twice just now, it differs from itself; {kept}");
     }

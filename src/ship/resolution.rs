@@ -226,28 +226,28 @@ pub fn check(ship: &Ship, capsize_angle: f64, grid: &Grid) -> Result<(), String>
     if !rate.is_finite() {
         return Err(format!(
             "record.samples_per_period: expected a ship whose motion has a finite rate, since no step resolves another, found \
-             {} up to `truth.capsize_angle` = {capsize_angle:e} rad in waves of `sea.significant_wave_height` = {} m",
+             {}, `truth.capsize_angle` = {capsize_angle:e}, `sea.significant_wave_height` = {:?}, `sea.peak_period` = {:?}",
             told(ship, rate),
-            short(grid.h_s)
+            short(grid.h_s),
+            short(grid.t_p)
         ));
     }
     let expected = match (grid.samples_for(rate, STABLE), grid.samples_for(rate, ACCURATE)) {
         (Some(stable), Some(accurate)) => {
-            format!("expected at least {stable}, where RK4 is stable, or {accurate}, where it is also accurate")
+            format!("expected at least {stable} for a stable integration, or {accurate} for an accurate one")
         }
-        (Some(stable), None) => format!("expected at least {stable}, where RK4 is stable"),
+        (Some(stable), None) => format!("expected at least {stable} for a stable integration"),
         (None, _) => format!(
             "expected more samples than a field may have ({} per period), so a slower ship or a shorter `sea.peak_period`",
             grid.most_samples
         ),
     };
     Err(format!(
-        "record.samples_per_period: {expected}, found {found}: the step of {h} s (`sea.peak_period` = {} s) times the fastest \
-         rate of the ship, {}, in crests of {} m (`sea.significant_wave_height` = {} m) up to `truth.capsize_angle` = {} rad, \
-         must be at most {STABLE}; beyond it the integration itself grows and would be counted as capsizes",
+        "record.samples_per_period: {expected}, found {found}: the step of {h} s (`sea.peak_period` = {:?}) times the fastest rate \
+         of the ship, {}, `sea.significant_wave_height` = {:?}, `truth.capsize_angle` = {:?}, must be at most {STABLE}, or the \
+         integration itself grows",
         short(grid.t_p),
         told(ship, rate),
-        short(grid.crest()),
         short(grid.h_s),
         short(capsize_angle)
     ))
@@ -336,8 +336,8 @@ fn told(ship: &Ship, rate: f64) -> String {
         "quadratic"
     };
     format!(
-        "{:?} 1/s (`ship.beta_1` = {:?}, `ship.beta_2` = {:?}, `ship.epsilon_1` up to {:?}, `ship.epsilon_2` = {:?}, \
-         `ship.alpha_1` = {:?}, {damping} `ship.alpha_2` = {:?}, at the highest crest)",
+        "{:?} 1/s (`ship.beta_1` = {:?}, `beta_2` = {:?}, `epsilon_1` up to {:?}, `epsilon_2` = {:?}, `alpha_1` = {:?}, {damping} \
+         `alpha_2` = {:?})",
         short(rate),
         short(ship.beta_1),
         short(ship.beta_2),

@@ -99,7 +99,8 @@ fn no_name_of_a_stranger_reaches_the_terminal_as_it_is() {
         "\u{2028}",
     ];
     for name in tricky {
-        let quoted: String = name.chars().map(|c| format!("\\U{:08X}", u32::from(c))).collect();
+        let quoted: Vec<String> = name.chars().map(|c| format!("\\U{:08X}", u32::from(c))).collect();
+        let quoted = quoted.concat();
         let overlays = [
             format!("\"{quoted}\" = 1\n"),
             format!("[base.\"{quoted}\"]\noffset = 1\n"),
@@ -222,17 +223,17 @@ fn a_name_that_reads_like_a_number_is_asked_for_in_quotes() {
         ("true", "the truth value true"),
     ] {
         let mut house = House::new();
-        house.text += &format!("\n[base.{name}]\noffset = 4\n");
+        house.text.push_str(&["\n[base.", name, "]\noffset = 4\n"].concat());
         house.set(&format!("pinned.base={name}"));
         let said = house.refusal();
         let hint = format!("found {found}; as a name it is written in quotes: \"{name}\"");
         assert!(said.ends_with(&hint), "{said}");
         let mut house = House::new();
-        house.text += &format!("\n[base.{name}]\noffset = 4\n");
+        house.text.push_str(&["\n[base.", name, "]\noffset = 4\n"].concat());
         house.set(&format!("run.bases=[{name}]"));
         assert!(house.refusal().ends_with(&hint), "{}", house.refusal());
         let mut house = House::new();
-        house.text += &format!("\n[base.{name}]\noffset = 4\n");
+        house.text.push_str(&["\n[base.", name, "]\noffset = 4\n"].concat());
         house.set(&format!("pinned.base=\"{name}\""));
         assert!(house.graph(&[]).is_ok());
     }
@@ -240,7 +241,8 @@ fn a_name_that_reads_like_a_number_is_asked_for_in_quotes() {
 
 #[test]
 fn many_unknown_keys_are_refused_at_once_and_ten_of_them_named() {
-    let overlay: String = (0..16_000).map(|i| format!("key{i} = {i}\n")).collect();
+    let overlay: Vec<String> = (0..16_000).map(|i| format!("key{i} = {i}\n")).collect();
+    let overlay = overlay.concat();
     let began = Instant::now();
     let said = refused(&format!("[numbers]\n{overlay}"));
     assert!(began.elapsed().as_secs_f64() < 5.0, "{:?}", began.elapsed());

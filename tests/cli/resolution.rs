@@ -23,7 +23,8 @@ sea = "S1"
 fn an_unstable_integration_is_refused_before_anything_is_written() {
     let program = Program::new("tiny");
     let overlay = program.file("my.toml", UNSTABLE);
-    let place = format!("{overlay}:6: record.samples_per_period: expected at least 32, where RK4 is stable, or 512");
+    let place =
+        format!("{overlay}:6: record.samples_per_period: expected at least 32 for a stable integration, or 512");
     refused(
         &program,
         &["--overlay", &overlay],

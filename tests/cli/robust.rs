@@ -314,3 +314,70 @@ fn json_is_json_whatever_stands_in_a_folders_name() {
         said.stdout
     );
 }
+
+/// Calls a verb in a shell that sets a limit first.
+#[cfg(unix)]
+fn limited(program: &Program, limit: &str, arguments: &[&str]) -> (Option<i32>, String) {
+    let run = program.command(arguments);
+    let said = Command::new("sh")
+        .args(["-c", &format!("ulimit {limit} && exec \"$@\""), "sh"])
+        .arg(run.get_program())
+        .args(run.get_args())
+        .current_dir(run.get_current_dir().expect("a program runs in its checkout"))
+        .output()
+        .expect("a shell runs");
+    (said.status.code(), String::from_utf8_lossy(&said.stderr).into_owned())
+}
+
+#[cfg(unix)]
+#[test]
+fn a_limit_on_the_length_of_files_is_an_error_and_no_death() {
+    let (code, told) = limited(&Program::new("tiny"), "-f 4", &["run", "groups"]);
+    assert_eq!(code, Some(5), "{told}");
+    assert!(told.contains("File too large"), "{told}");
+}
+
+#[cfg(unix)]
+#[test]
+fn few_open_files_are_enough() {
+    let (code, told) = limited(&Program::new("tiny"), "-n 40", &["run", "groups"]);
+    assert_eq!(code, Some(0), "{told}");
+}
+
+#[cfg(unix)]
+#[test]
+fn the_store_of_a_rebuild_that_was_killed_goes_with_the_next_one() {
+    let program = Program::new("tiny");
+    program.commit_lock();
+    let folder = tempfile::tempdir().expect("a temporary folder can be made");
+    let stores = || fs::read_dir(folder.path()).expect("a folder").count();
+    let rebuild = || {
+        let mut command = program.command(&["verify", "--rebuild", "truth"]);
+        command.env("TMPDIR", folder.path());
+        command
+    };
+    let is_marked = || {
+        let mut entries = fs::read_dir(folder.path()).expect("a folder").flatten();
+        entries.any(|entry| entry.path().join("store.lock").is_file())
+    };
+    let mut child = rebuild().stderr(Stdio::null()).spawn().expect("the binary runs");
+    for _ in 0..2000 {
+        if is_marked() {
+            break;
+        }
+        sleep(Duration::from_millis(1));
+    }
+    child.kill().expect("a process can be killed");
+    child.wait().expect("a process ends");
+    assert_eq!(stores(), 1, "the killed one left its store");
+    // What is no store of ours stays, whatever its name.
+    fs::create_dir(folder.path().join("encounter-rebuild-thesis")).expect("a folder can be made");
+    let said = rebuild().output().expect("the binary runs");
+    assert!(
+        said.status.code().is_some(),
+        "{}",
+        String::from_utf8_lossy(&said.stderr)
+    );
+    assert_eq!(stores(), 1);
+    assert!(folder.path().join("encounter-rebuild-thesis").is_dir());
+}

@@ -172,7 +172,7 @@ fn the_number_that_would_do_is_the_smallest_that_does() {
         let ship = Ship { beta_1, ..plain() };
         let why = check(&ship, PI, &grid(128, 12.0)).expect_err("a step far too long");
         let (_, rest) = why.split_once("expected at least ").expect("a number");
-        let enough: u32 = rest.split(',').next().and_then(|n| n.parse().ok()).expect("a number");
+        let enough: u32 = rest.split(' ').next().and_then(|n| n.parse().ok()).expect("a number");
         assert!(enough.is_power_of_two());
         assert!(check(&ship, PI, &grid(enough, 12.0)).is_ok(), "{enough}");
         assert!(check(&ship, PI, &grid(enough / 2, 12.0)).is_err(), "{enough}/2");

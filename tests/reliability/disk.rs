@@ -1,5 +1,6 @@
 //! A disk that tells of every operation before it is done, and lets whoever hears of it forbid it.
 
+use crate::common::Wrap;
 use encounter::engine::disk::{Disk, Entry};
 use encounter::engine::names::At;
 use std::fs::{File, TryLockError};
@@ -14,7 +15,8 @@ pub(super) enum Deed<'a> {
     Synchronise(&'a At),
     Rename(&'a At, &'a At),
     TryLock,
-    /// Reading, looking, making folders, removing, opening locks.
+    Read(&'a At),
+    /// Looking, making folders, removing, opening locks.
     Other,
 }
 
@@ -25,7 +27,7 @@ pub(super) struct Watched<F> {
 }
 
 /// What makes a watched disk of another.
-pub(super) fn watched<F>(hear: F) -> Box<dyn Fn(Arc<dyn Disk>) -> Arc<dyn Disk> + Send + Sync>
+pub(super) fn watched<F>(hear: F) -> Wrap
 where
     F: Fn(&dyn Disk, Deed<'_>) -> io::Result<()> + Clone + Send + Sync + 'static,
 {
@@ -46,7 +48,7 @@ impl<F: Fn(&dyn Disk, Deed<'_>) -> io::Result<()> + Send + Sync> Disk for Watche
         self.disk.root()
     }
     fn read(&self, at: &At) -> io::Result<Vec<u8>> {
-        self.tell(Deed::Other)?;
+        self.tell(Deed::Read(at))?;
         self.disk.read(at)
     }
     fn length(&self, at: &At) -> io::Result<u64> {

@@ -266,7 +266,11 @@ fn figures_that_cannot_be_written_are_refused_before_the_work() {
     let file = program.file("figures", "a file, no folder");
     let said = program.call(&[&["run", "truth", "--figures", &file], SMALL.as_slice()].concat());
     assert_eq!(said.code, 5, "{}", said.stderr);
-    assert!(said.stderr.starts_with("error: cannot write to "), "{}", said.stderr);
+    assert!(
+        said.stderr.starts_with("error: cannot write figures to "),
+        "{}",
+        said.stderr
+    );
     assert_eq!(said.stderr.lines().count(), 1);
     let made = |folder: &str| fs::read_dir(program.path("store").join(folder)).map_or(0, Iterator::count);
     assert_eq!((made("objects"), made("records")), (0, 0), "nothing is run for nothing");

@@ -7,6 +7,7 @@ use crate::common::House;
 use encounter::engine::names::At;
 use serde_json::Value;
 use std::fs;
+use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
 
@@ -89,4 +90,46 @@ fn only_a_rename_publishes_and_a_record_comes_last() {
     }
     // Twelve evicted phases, twelve slow pieces, a figure; synchronised in groups.
     assert_eq!((records, objects), (25, 13));
+}
+
+#[test]
+fn the_folders_above_new_objects_are_safe_before_any_record_is_written() {
+    let folder = tempfile::tempdir().expect("a temporary folder can be made");
+    let mut house = slow_house(folder.path());
+    let deeds = deeds(&mut house);
+    let records = house.path("store/records");
+    let first = |is_it: &dyn Fn(&Done) -> bool| deeds.iter().position(is_it);
+    let recorded = first(&|deed| matches!(deed, Done::Renamed(_, to) if to.starts_with(&records)));
+    let synchronised = first(&|deed| *deed == Done::Synchronised(house.path("store/objects")));
+    assert!(
+        synchronised.is_some() && synchronised < recorded,
+        "{synchronised:?}, {recorded:?}"
+    );
+}
+
+#[test]
+fn an_object_whose_synchronisation_failed_is_not_taken_for_written() {
+    let folder = tempfile::tempdir().expect("a temporary folder can be made");
+    let mut house = slow_house(folder.path());
+    house.workers = 1;
+    let failed = Arc::new(Mutex::new(None));
+    let noted = Arc::clone(&failed);
+    house.disk = watched(move |_, deed| match deed {
+        Deed::Synchronise(at) if at.text().starts_with("objects/") && at.text().len() > 40 => {
+            *noted.lock().expect("no panic") = Some(at.text().to_owned());
+            Err(io::ErrorKind::Other.into())
+        }
+        _ => Ok(()),
+    });
+    let error = house.run().outcome.expect_err("a medium that fails");
+    assert_eq!(error.exit_code(), 5, "{error}");
+    let object = failed
+        .lock()
+        .expect("no panic")
+        .clone()
+        .expect("an object was synchronised");
+    assert!(!house.path("store").join(&object).exists(), "{object}");
+    house.disk = Box::new(|disk| disk);
+    let fresh = tempfile::tempdir().expect("a temporary folder can be made");
+    assert_eq!(house.run().locked(), slow_house(fresh.path()).run().locked());
 }

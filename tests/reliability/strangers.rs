@@ -7,8 +7,10 @@
 
 use super::bad_entries;
 use super::child::slow_house;
+use super::disk::{Deed, watched};
 use super::faults::Fuse;
 use crate::common::{House, records};
+use encounter::engine::audit::audit;
 use encounter::engine::error::Error;
 use encounter::engine::id::Id;
 use encounter::engine::lock::Lock;
@@ -16,6 +18,7 @@ use encounter::engine::names::{Folder, Place};
 use encounter::engine::store::Store;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
+use std::io;
 use std::os::unix::fs::{FileTypeExt, symlink};
 use std::os::unix::net::UnixListener;
 use std::path::{Path, PathBuf};
@@ -296,8 +299,15 @@ fn every_damage(share: usize) -> usize {
             // What reads every piece heals what no run has needed until now.
             let mut reader = house_in(folder.path(), pieces);
             reader.set("total.shift=1");
-            assert_eq!(reader.run().locked(), other_lock, "{what}");
-            assert_eq!(bad_entries(&house), NOTHING, "{what}");
+            if !check_run(&reader, &other_lock, &what, &path, refusable) {
+                continue;
+            }
+            // What a stranger put into a folder of the store stays there.
+            let bad: Vec<String> = bad_entries(&house)
+                .into_iter()
+                .filter(|bad| !bad.contains("/mine "))
+                .collect();
+            assert_eq!(bad, NOTHING, "{what}");
         }
         outside_is_untouched(folder.path());
     }
@@ -306,7 +316,7 @@ fn every_damage(share: usize) -> usize {
 
 #[test]
 fn a_share_of_all_damages_is_healed_or_refused_by_name() {
-    assert!(every_damage(17) > 60);
+    assert!(every_damage(19) > 40);
 }
 
 #[test]
@@ -319,7 +329,7 @@ fn every_damage_is_healed_or_refused_by_name() {
 
 /// Lets every operation of a collection fail in turn with each error; how many errors there were.
 fn every_error_under_gc(errors: &[i32], share: usize) -> usize {
-    let pieces = 12;
+    let pieces = 14;
     let origin = Origin::new(pieces);
     // What a run with another parameter made and no run of the last three used is garbage.
     let mut other = house_in(origin.folder.path(), pieces);
@@ -542,10 +552,31 @@ fn an_empty_folder_and_a_checkout_with_its_locks_become_stores() {
     fs::create_dir(&store).expect("a folder can be made");
     fs::write(store.join("toy.lock"), "encounter-lock 1  profile toy\n").expect("a file can be written");
     fs::create_dir(store.join("figures")).expect("a folder can be made");
+    fs::write(store.join("store.lock"), "").expect("a file can be written");
     house.run().expect_success();
     assert!(store.join("encounter-store").is_file());
     let tag = fs::read_to_string(store.join("CACHEDIR.TAG")).expect("the tag is there");
     assert!(tag.starts_with("Signature: 8a477f597d28d172789f06886806bc55"));
+}
+
+#[test]
+fn what_may_not_be_read_is_neither_damage_nor_garbage() {
+    let origin = Origin::new(3);
+    let (_folder, mut house) = origin.copy(3);
+    let before = names_in(&house);
+    house.disk = watched(|_, deed| match deed {
+        Deed::Read(at) if at.text().starts_with("objects/") => Err(io::ErrorKind::PermissionDenied.into()),
+        _ => Ok(()),
+    });
+    let found = audit(&house.store(), 1, &|_, _| ()).expect("the store can be listed");
+    assert_eq!((found.damaged.len(), found.unreadable.len()), (0, 4), "{found:?}");
+    house.disk = watched(|_, deed| match deed {
+        Deed::Read(at) if at.text().starts_with("records/") => Err(io::ErrorKind::PermissionDenied.into()),
+        _ => Ok(()),
+    });
+    let error = house.gc(0, false).expect_err("what the records name is not known");
+    assert_eq!(error.exit_code(), 5, "{error}");
+    assert_eq!(names_in(&house), before);
 }
 
 #[test]
