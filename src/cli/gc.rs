@@ -73,9 +73,17 @@ pub fn gc(args: &GcArgs) -> Result<()> {
         tell(args, &plan(&store, &PIPELINE, &locks, args.max)?);
         return Ok(());
     }
-    let waiting = || progress::tell("waiting for the runs that use this store");
+    let waiting =
+        || progress::tell("another `encounter` uses this store; gc goes on when it has ended, Ctrl-C gives up");
     let Some(alone) = Alone::wait(Store::look_at(&root)?, &waiting)? else {
-        tell(args, &Sweep::default());
+        if args.common.json {
+            tell(args, &Sweep::default());
+        } else {
+            say(format_args!(
+                "{}: expected a store, found none; nothing was removed",
+                root.display()
+            ));
+        }
         return Ok(());
     };
     let sweep = plan(alone.store(), &PIPELINE, &locks, args.max)?;
@@ -115,7 +123,9 @@ fn tell(args: &GcArgs, sweep: &Sweep) {
             0 => String::new(),
             more => format!(" and {more} more"),
         };
-        say(format_args!("left     {first}{more}: no file of the store"));
+        say(format_args!(
+            "not removed: {first}{more}, which `encounter` did not make"
+        ));
     }
 }
 

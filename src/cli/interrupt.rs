@@ -140,7 +140,9 @@ pub(super) fn leave() -> ! {
         for _ in 0..3 {
             let _ = std::fs::remove_dir_all(&folder);
         }
+        tell("interrupted; the temporary store of the rebuild was removed, the next one begins anew");
+    } else {
+        tell(&Error::Interrupted.to_string());
     }
-    tell(&Error::Interrupted.to_string());
     std::process::exit(i32::from(Error::Interrupted.exit_code()))
 }

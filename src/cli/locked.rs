@@ -24,6 +24,8 @@ pub(super) struct Compared {
 
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum LockState {
+    /// It is there and is no lock.
+    Unreadable,
     /// There is none yet.
     None,
     /// It is as it was.
@@ -76,9 +78,16 @@ pub(super) fn compare(args: &RunArgs, made: &Lock) -> Result<Compared> {
         Ok(lock) => Some(lock),
         Err(_) if !is_there => None,
         Err(error) if args.locked => return Err(error),
+        // It is written over when that is asked for; otherwise nothing can be compared, and git has the old one.
+        Err(_) if args.update_lock => None,
         Err(error) => {
             progress::tell(&format!("{error}"));
-            None
+            return Ok(Compared {
+                path,
+                lines: made.lines.len(),
+                differ: Vec::new(),
+                state: LockState::Unreadable,
+            });
         }
     };
     let differ = match &committed {
@@ -131,6 +140,11 @@ impl Compared {
         let count = differ.len();
         match (state, differ.first()) {
             (LockState::None, _) => format!("no lock yet: `{accept}` writes the {lines} lines of this run to {path}"),
+            (LockState::Unreadable, _) => {
+                format!(
+                    "{path}: expected a readable lock; nothing was compared: restore it with git, or write it anew with {accept}"
+                )
+            }
             (LockState::Made, _) => format!("{path}: written, {lines} lines"),
             (_, None) => format!("{path}: {lines} lines as committed"),
             (LockState::Written, Some(_)) => format!("{path}: written, {count} of {lines} lines changed"),
@@ -143,7 +157,8 @@ impl Compared {
     pub(super) fn json(&self) -> serde_json::Value {
         json!({
             "path": self.path.display().to_string(), "lines": self.lines,
-            "equal": self.lines.saturating_sub(self.differ.len()), "differ": self.differ,
+            "equal": if self.state == LockState::Unreadable { 0 } else { self.lines.saturating_sub(self.differ.len()) },
+            "differ": self.differ, "readable": self.state != LockState::Unreadable,
         })
     }
 }

@@ -64,7 +64,8 @@ impl Progress {
             Event::DidHeal { node, piece, why } => self.say(&format!("{node}/{piece}: {why}; making it again")),
             Event::DidDistrust { node, why } => {
                 self.say(&format!(
-                    "{node}: the store held what no stage has made ({why}); set aside, looking again"
+                    "{node}: the store held an output that breaks the rules of its stage ({why}); moved to quarantine/ with its \
+                     record, making the plan again"
                 ));
             }
             Event::DidFail { message, .. } => self.say(message),

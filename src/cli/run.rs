@@ -59,6 +59,8 @@ struct Ledger {
     ran: Vec<(String, usize, f64, u64)>,
     reused: usize,
     healed: Vec<String>,
+    /// What the store held and no stage can have made.
+    replaced: Vec<String>,
     failed: Vec<String>,
     files: Vec<(String, String, bool)>,
     /// Published files of earlier runs that this one did not make.
@@ -91,7 +93,7 @@ pub fn run(args: &RunArgs) -> Result<()> {
     progress.finish();
     for (path, kept) in store.put_aside() {
         tell(&format!(
-            "{path} was no file or folder of the store's own: moved to {}",
+            "store: something that is not the store's stood at {path}; moved to {}, where it stays",
             kept.display()
         ));
     }
@@ -193,7 +195,7 @@ impl Ledger {
             Event::DidFail { node, piece, message } => self.failed.push(format!("{node}/{piece}: {message}")),
             Event::DidPublish { path, id, written } => self.files.push((path.clone(), id.clone(), *written)),
             Event::DidFindOld { path, fate } => self.old.push((path.clone(), *fate)),
-            Event::DidDistrust { node, why } => self.healed.push(format!("{node}: {why}")),
+            Event::DidDistrust { node, why } => self.replaced.push(format!("{node}: {why}")),
             Event::WillRun { .. } | Event::DidWait { .. } | Event::DidSetAside { .. } => {}
         }
     }
@@ -241,7 +243,8 @@ impl Ledger {
             .map(|(path, id, written)| json!({"path": path, "id": id, "written": written}))
             .collect();
         let mut told = json!({
-            "format": 1, "ran": ran, "reused": self.reused, "healed": self.healed, "failed": self.failed,
+            "format": 1, "ran": ran, "reused": self.reused, "healed": self.healed,
+            "replaced": self.replaced, "failed": self.failed,
             "seconds": seconds, "files": files, "warnings": session.graph.warnings, "folder": session.figures.display().to_string(),
             "stale": self.old_paths(|fate| fate != Fate::Removed), "removed": self.old_paths(|fate| fate == Fate::Removed),
             "lock": compared.map(Compared::json),
@@ -259,6 +262,11 @@ impl Ledger {
         }
         for healed in &self.healed {
             say(format_args!("healed  {healed}; made again, equal to its record"));
+        }
+        for replaced in &self.replaced {
+            say(format_args!(
+                "replaced  {replaced}; moved to quarantine/ and made again; --locked compares all outputs with the lock"
+            ));
         }
         let written = self.files.iter().filter(|(_, _, written)| *written).count();
         say(format_args!(

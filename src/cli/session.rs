@@ -276,5 +276,7 @@ fn told_of_locks(store: Store) -> Store {
 }
 
 fn wait_for_gc() {
-    progress::tell("waiting for `encounter gc`, which has the store to itself");
+    progress::tell(
+        "another `encounter` removes old outputs from this store; this one goes on when it has ended, Ctrl-C gives up",
+    );
 }

@@ -2,8 +2,8 @@
 //!
 //! A store says that it is one by a file of its own, the marker, which is the first thing written into it. A folder without
 //! the marker that holds anything is refused before anything is written, so that no run and no `gc` ever touches a folder
-//! that was named by mistake. The one folder that may hold something is a checkout's `artifacts/`, where the committed locks
-//! and the figures of what-ifs lie beside the default store.
+//! that was named by mistake. A folder that holds committed lock files, such as a checkout's `artifacts/`, may also hold
+//! `figures`, `edited` and `published`: they lie beside the default store.
 
 use std::fs::{self, DirEntry};
 use std::io::{ErrorKind, Read};
@@ -61,14 +61,14 @@ pub(crate) fn check(root: &Path) -> Result<()> {
     match foreign.as_slice() {
         [] => Ok(()),
         [first, rest @ ..] => Err(Error::Usage(format!(
-            "--store {}: expected an empty folder or a store, which holds the file `{}`; found `{first}`{}; nothing was \
-             written: name another folder, or, if it is a store that has lost that file, make an empty one of that name",
-            root.display(),
-            Place::Marker.at(),
+            "--store {store}: expected an empty folder or a store (a folder with the file `{marker}`), found `{first}`{}; nothing \
+             was written. Choose another folder; if this is a store that lost its marker, restore it: `touch {store}/{marker}`",
             match rest.len() {
                 0 => String::new(),
                 more => format!(" and {more} more"),
-            }
+            },
+            store = root.display(),
+            marker = Place::Marker.at(),
         ))),
     }
 }

@@ -60,7 +60,10 @@ pub enum Error {
     },
     /// An output that is what its name says and yet none of its stage's. It was set aside with its record; a new walk makes it
     /// again.
-    #[error("what the store holds as the output of {node} is none: {why}; it was set aside in quarantine/, run again")]
+    #[error(
+        "{node}: expected an output that keeps the rules of its stage, found in the store: {why}; it was moved to quarantine/ \
+             with its record; run the command again to make it"
+    )]
     Distrusted {
         /// The node and piece.
         node: String,

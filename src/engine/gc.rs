@@ -1,11 +1,13 @@
 //! Gc: what can be made again gives way when room is short. The disk is scanned; no index is believed.
 //!
 //! Roots: the committed locks of the checkout, the last runs of every checkout that uses the store, and what was made since
-//! the last run ended (a killed run's work). What no root reaches goes first; then, while more than the bound is left, the
-//! bytes of outputs that may go, those first that are made again fastest for their size. Their records stay, so nothing
+//! the last run ended (a killed run's work). What no root reaches goes first. Then, while the store is larger than the bound,
+//! outputs that can be made again go, those first that take the least time for their bytes. Their records stay, so nothing
 //! below them runs again.
 //!
-//! What cannot be read is no garbage: any doubt about what a root reaches ends the collection before anything is removed.
+//! If the operating system cannot read a file that decides what is kept, the collection stops before anything is removed. A
+//! file with damaged content does not stop it: a damaged record counts as absent, and a damaged list of pieces keeps every
+//! object of its node. What stood in the place of a file of the store and was moved to quarantine is somebody else's: it stays.
 //! Only files whose names a store gives are ever removed ([`Place`]). Tested in `tests/cache/gc.rs`, `tests/reliability`.
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -36,11 +38,11 @@ pub const BOUND: u64 = 8 << 30;
 pub struct Sweep {
     /// The store's size before, bytes.
     pub bytes: u64,
-    /// What no lock and no run reaches.
+    /// Files that no committed lock and no remembered run needs.
     garbage: Vec<Place>,
     /// Objects among them.
     pub unreached: usize,
-    /// Objects that only room takes, each with the records that name it.
+    /// Objects that are still of use and go because the store is over its bound, each with the records that name it.
     evicted: Vec<(Id, Vec<Record>)>,
     /// What lies in the store's folders and is none of its files: it stays.
     pub foreign: Vec<String>,
@@ -107,7 +109,8 @@ impl Alone {
             }
             self.remove(&Place::Object(*id))?;
         }
-        // Records go before their objects: what a kill leaves is garbage, and no record of something that is gone.
+        // Records are removed before their objects, so a process killed half-way leaves unused objects and never a record
+        // without its object.
         sweep.garbage.iter().rev().try_for_each(|place| self.remove(place))
     }
 
@@ -224,7 +227,7 @@ impl Roots {
             .flat_map(|lock| &lock.lines)
             .filter(|line| line.pieces.is_some())
         {
-            // One that was never made in this store has no list of pieces here, and nothing to keep.
+            // An output that was never made in this store has no list of pieces here, so there is nothing to keep for it.
             if roots.reach(store, line.content)? == Pieces::Damaged {
                 unknown.insert(&line.name);
             }
@@ -246,7 +249,7 @@ impl Roots {
             ended.is_none_or(|ended| *written > ended)
         };
         for (id, records) in &scan.records {
-            // Whose pieces are not known keeps all that ever bore its name.
+            // If the list of a node's pieces is damaged, every object that a record of that node names is kept.
             let stays = |(key, record): &(Key, Record)| is_recent(key) || unknown.contains(&*record.node);
             if records.iter().any(stays) {
                 roots.ids.insert(*id);
@@ -284,7 +287,7 @@ enum Pieces {
 }
 
 impl Sweep {
-    /// Objects that only room takes.
+    /// The number of objects that are still of use and go because the store is over its bound.
     pub fn evicted(&self) -> usize {
         self.evicted.len()
     }
@@ -312,7 +315,8 @@ impl Sweep {
                 Place::Record(key) => records.contains(key),
                 Place::Part(hash) => parts.contains(hash),
                 Place::Manifest(content) => roots.contents.contains(content),
-                Place::Run(..) => true,
+                // What stood in the way got a name of its own in quarantine: this program did not make it.
+                Place::Run(..) | Place::Quarantined(_, Some(_)) => true,
                 _ => false,
             };
             if stays {

@@ -9,7 +9,7 @@
 //! | lock on a key, lock of who writes runs | `locks/<key>`, `locks/runs` |
 //! | temporary file | `tmp/<16 digits>-<n>` |
 //! | what was set aside | `quarantine/<name>`, `quarantine/<name>-<16 digits>` |
-//! | marker, tag for backups, lock on the whole | `encounter-store`, `CACHEDIR.TAG`, `store.lock` |
+//! | marker of a store, marker of a cache for backup programs, lock on the whole | `encounter-store`, `CACHEDIR.TAG`, `store.lock` |
 //!
 //! Tested in `tests/reliability/strangers.rs`.
 
@@ -101,9 +101,9 @@ pub enum Place {
     RunsLock,
     /// The lock on the whole store.
     StoreLock,
-    /// What is being written: the tag of its process and a number.
+    /// What is being written: a number of its process, and a count.
     Temporary(u64, u64),
-    /// What was set aside: the name it had, and a tag where that was taken already.
+    /// What was set aside: the name it had; and a number if it was not ours, or if that name was taken.
     Quarantined(String, Option<u64>),
     /// What says that a folder is a store.
     Marker,
@@ -199,7 +199,8 @@ impl Place {
             }
             Folder::Quarantine => quarantined(name)?,
         };
-        // One spelling a name: what would be written otherwise is somebody else's.
+        // Each file has exactly one spelling. A name that reads like ours but is spelled otherwise, such as a number with
+        // leading zeros, is somebody else's.
         let expected = place.at();
         let found = [folder.name(), division, name];
         let found = found.into_iter().filter(|part| !part.is_empty());

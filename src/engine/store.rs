@@ -1,11 +1,12 @@
 //! Store: id -> bytes and key -> record, on disk. Only a verified read hands out bytes; only a rename publishes.
 //!
-//! An object without a record is garbage, never a lie; a record whose object is gone or torn is a miss. Synchronising a
-//! file costs milliseconds, so cheap pieces share theirs: their records, and the locks on their keys, wait for at most 64
-//! pieces or half a second. Who writes or reads holds `store.lock` shared, who collects garbage holds it alone.
+//! An object without a record is of no use, and `gc` removes it. If the object of a record is missing or damaged, the piece is
+//! made again. Synchronising a file costs milliseconds, so cheap pieces share theirs: their records, and the locks on their
+//! keys, wait for at most 64 pieces or half a second. A process that reads or writes the store holds `store.lock` shared; `gc`
+//! holds it alone.
 //!
-//! What stands where a file or folder of the store belongs and is neither (a folder, a socket, a link) is moved to
-//! `quarantine/` with a word, so that a run heals what it can. A link in place of one of the top folders is refused by name:
+//! If something else (a folder, a socket, a link) occupies the path of a file or folder of the store, it is moved to
+//! `quarantine/`, and the run says where it went. A link in place of one of the top folders is refused by name:
 //! it may be meant, and following it would write, move and delete outside the store.
 
 use std::collections::BTreeSet;
@@ -265,7 +266,7 @@ impl Store {
     /// Reads and verifies an object; a damaged one is moved to `quarantine/`.
     pub(crate) fn read(&self, id: &Id, schema: Option<u64>) -> Found {
         let found = self.peek(id, schema);
-        // Sound, but of another type than asked for: the one who asked is wrong.
+        // An object that is whole as the output of another stage stays where it is: the caller asked for the wrong type.
         if matches!(found, Found::Damaged(_)) && !matches!(self.peek(id, None), Found::Bytes(_)) {
             // A move that fails leaves the damaged file to be overwritten by the healed one.
             let _ = self.set_aside(&Place::Object(*id));
@@ -295,7 +296,7 @@ impl Store {
         let key = Key::parse(&record.key).expect("the record of an output that was just made names its key");
         if !record.evicted {
             let place = Place::Object(id);
-            // Equal bytes under another key: what a record may already rest on is not torn open again.
+            // An object that is there with the same bytes is not written again, because another record may rest on it.
             if !self.read_file(&place).is_ok_and(|old| old == file) {
                 self.write(&place, &file, false)?;
             }
@@ -430,8 +431,8 @@ impl Store {
         Ok(())
     }
 
-    /// Moves away what stands where a file or folder of ours belongs, after an error that says that something does; else
-    /// gives back the error. A link in place of a top folder stays, and the error names it.
+    /// After an operation on a path failed, this moves what does not belong at that path to quarantine. If nothing of the
+    /// kind is there, it returns the error of the operation. A link in place of a top folder stays, and the error names it.
     fn clear(&self, at: &At, why: io::Error) -> io::Result<()> {
         let listed = self.disk.list(&at.parent())?;
         let name = at.names().next_back().unwrap_or_default();

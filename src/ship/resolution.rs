@@ -12,8 +12,8 @@
 //! damping:               c = alpha_1 + 1.12 alpha_2 v^2 (cubic) or alpha_1 + 1.12 alpha_2 |v| (quadratic)
 //! ```
 //! RK4 is stable for h rate up to 2.828 on the imaginary axis and up to 2.785 on the negative real axis, but between them,
-//! where a swing is damped by half, up to 2.616 alone: the half disc of radius 2.61 lies within its region. An integration
-//! beyond it grows whatever the ship does, and the growth would be counted as capsizes. The factor 1.12 stands for RK4 of
+//! where a swing is damped by half, up to 2.616 alone: the half disc of radius 2.61 lies within its region. With a
+//! larger step the computed motion grows even when the true motion does not, and the growth would be counted as capsizes. The factor 1.12 stands for RK4 of
 //! v' = -alpha_2 v^3, which grows beyond h alpha_2 v^2 = 2.38 (quadratic: 2.45), a little above 2.61/1.12. Motions whose
 //! stiffness is negative grow in truth, so they set no limit.
 //!
@@ -38,7 +38,7 @@ pub const ACCURATE: f64 = 0.25;
 /// The highest crest in H_s: by Rayleigh's law one crest in exp(8 x 1.5^2) = 6.6e7 is higher, one in eight of the
 /// paper's records.
 const CREST: f64 = 1.5;
-/// The secant of the nonlinear damping, raised to what RK4 makes of it.
+/// The factor of alpha_2 v^2 with which the limit of linear motion also covers the nonlinear damping under RK4, see above.
 const SECANT: f64 = 1.12;
 /// The lead-in has to be this many memories long: what a start at rest leaves then is e^-2 of the motion.
 const FORGOTTEN: f64 = 2.0;

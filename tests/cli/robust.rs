@@ -267,7 +267,7 @@ fn a_pipe_where_a_file_should_be_is_not_waited_for() {
     let (code, told) = told_in_time(&program, &run);
     assert_eq!(code, 0, "{told}");
     assert!(
-        told.starts_with("store.lock was no file or folder of the store's own: moved to "),
+        told.starts_with("store: something that is not the store's stood at store.lock; moved to "),
         "{told}"
     );
 }

@@ -105,8 +105,8 @@ fn a_whole_run_is_told_shown_verified_and_repaired() {
 
     let run = program.json(&["run", "--update-lock"]);
     let expected = [
-        "failed", "files", "folder", "format", "healed", "lock", "ran", "removed", "reused", "seconds", "stale",
-        "warnings",
+        "failed", "files", "folder", "format", "healed", "lock", "ran", "removed", "replaced", "reused", "seconds",
+        "stale", "warnings",
     ];
     assert_eq!(keys(&run), expected);
     let ran = run["ran"].as_array().expect("a list");
