@@ -113,7 +113,8 @@ impl Stage for ResponseMoments {
             invariant::equal(&place("epsilon_1"), &point.epsilon_1, &epsilon_1[e])?;
             invariant::equal(&place("group"), &point.group, &groups[bin])?;
             if let Some(moments) = point.moments {
-                let most = p.truth.capsize_angle;
+                // The mean of many capsizes may lie above each of them by rounding.
+                let most = p.truth.capsize_angle * (1.0 + 1e-9);
                 invariant::within(&place("mean"), moments.mean, -most..=most)?;
                 invariant::within(&place("standard_deviation"), moments.standard_deviation, 0.0..=most)?;
                 invariant::holds(&place("n"), moments.n > 0, "at least one response")?;

@@ -118,6 +118,11 @@ fn tell(args: &GcArgs, sweep: &Sweep) {
         counted(sweep.unreached, "object"),
         words[1]
     ));
+    if sweep.bytes.saturating_sub(sweep.freed) > args.max {
+        say(format_args!(
+            "more than --max is left: records, published outputs and what every run keeps stay"
+        ));
+    }
     if let [first, rest @ ..] = sweep.foreign.as_slice() {
         let more = match rest.len() {
             0 => String::new(),

@@ -10,6 +10,7 @@ use crate::engine::claim;
 use crate::engine::error::{Error, Result};
 use crate::engine::graph::Graph;
 use crate::engine::leftover::Due;
+use crate::engine::names::Folder;
 use crate::engine::node::Node;
 use crate::engine::params::ParamsFile;
 use crate::engine::published::Set;
@@ -124,7 +125,7 @@ impl Common {
     /// The folder of a profile's own figures, or that of a what-if.
     pub(super) fn figures_folder(&self, params: &ParamsFile) -> Result<PathBuf> {
         if let Some(folder) = &self.figures {
-            return Ok(folder.clone());
+            return refuse_store(folder).map(|()| folder.clone());
         }
         let checkout = Self::checkout()?;
         Ok(match (&self.name, self.is_custom(), self.profile) {
@@ -208,6 +209,24 @@ impl Common {
             params.text()
         )
     }
+}
+
+/// Refuses a figures folder that is a store or one of a store's own folders: only content belongs there.
+fn refuse_store(folder: &Path) -> Result<()> {
+    let whole = std::path::absolute(folder).unwrap_or_else(|_| folder.to_owned());
+    let mut below: Option<&std::ffi::OsStr> = None;
+    for above in whole.ancestors() {
+        let is_own = below.is_none_or(|name| Folder::ALL.iter().any(|own| name == own.name()));
+        if is_own && claim::is_marked(above) {
+            return Err(Error::Usage(format!(
+                "--figures {}: expected a folder of its own, found the store {}; name another folder",
+                folder.display(),
+                above.display()
+            )));
+        }
+        below = above.file_name();
+    }
+    Ok(())
 }
 
 fn read(files: &[PathBuf], sets: &[String]) -> Result<ParamsFile> {

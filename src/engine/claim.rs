@@ -43,6 +43,15 @@ pub(crate) fn check(root: &Path) -> Result<()> {
     if is_marked(root) {
         return Ok(());
     }
+    let marker = root.join(Place::Marker.at().text());
+    if marker.symlink_metadata().is_ok() {
+        return Err(Error::Usage(format!(
+            "--store {}: expected the marker `{}` to be a regular file, found something else; nothing was written. Remove it; if \
+             the folder is a store, make an empty file of that name",
+            root.display(),
+            Place::Marker.at()
+        )));
+    }
     // The lock on the whole, which holds nothing, may be all that was left of a store.
     let is_left = |entry: &&DirEntry| {
         entry.file_name() == *Place::StoreLock.at().text()

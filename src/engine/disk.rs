@@ -13,7 +13,7 @@ use std::time::SystemTime;
 
 use cap_fs_ext::{DirExt, FollowSymlinks, OpenOptionsFollowExt, OpenOptionsMaybeDirExt, OpenOptionsSyncExt};
 use cap_std::ambient_authority;
-use cap_std::fs::{Dir, OpenOptions};
+use cap_std::fs::{Dir, Metadata, OpenOptions};
 
 use crate::engine::codec::LIMIT;
 use crate::engine::names::At;
@@ -104,7 +104,9 @@ pub enum Kind {
     File,
     /// A folder.
     Folder,
-    /// A link, a pipe, a socket or a device.
+    /// A link.
+    Link,
+    /// A pipe, a socket or a device.
     Other,
 }
 
@@ -198,6 +200,18 @@ impl System {
 
 const NOT_REGULAR: &str = "it is no regular file";
 
+fn kind(found: &Metadata) -> Kind {
+    if found.is_file() {
+        Kind::File
+    } else if found.is_dir() {
+        Kind::Folder
+    } else if found.is_symlink() {
+        Kind::Link
+    } else {
+        Kind::Other
+    }
+}
+
 /// The error of a name that could not be opened: that it is a link says more than what the system makes of it.
 fn link(folder: &Dir, name: &str, why: io::Error) -> io::Error {
     match folder.symlink_metadata(name) {
@@ -260,7 +274,12 @@ impl Disk for System {
             Err(why) if why.kind() == ErrorKind::AlreadyExists => {
                 let opened = folder.open_dir_nofollow(name).map_err(|why| link(folder, name, why));
                 opened.map(|_| false).map_err(|why| match why.kind() {
-                    ErrorKind::NotADirectory => io::Error::new(ErrorKind::InvalidData, "it is no folder"),
+                    // A link says what it is.
+                    _ if folder.symlink_metadata(name).is_ok_and(|found| found.is_symlink()) => why,
+                    ErrorKind::NotADirectory | ErrorKind::InvalidData => io::Error::new(
+                        ErrorKind::InvalidData,
+                        format!("expected a folder, found something else: move `{name}` away and run again"),
+                    ),
                     _ => why,
                 })
             }
@@ -283,11 +302,7 @@ impl Disk for System {
                     modified: found
                         .modified()
                         .map_or(SystemTime::UNIX_EPOCH, cap_std::time::SystemTime::into_std),
-                    kind: match (found.is_file(), found.is_dir()) {
-                        (true, _) => Kind::File,
-                        (_, true) => Kind::Folder,
-                        _ => Kind::Other,
-                    },
+                    kind: kind(&found),
                 }),
                 // It has gone since it was listed: a run works meanwhile.
                 Err(why) if why.kind() == ErrorKind::NotFound => {}

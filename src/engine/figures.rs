@@ -49,7 +49,12 @@ pub(crate) fn parts(path: &str) -> Option<(&str, &str)> {
 /// # Errors
 /// The operating system's; `InvalidData` for what is no regular file.
 pub(crate) fn open_regular(path: &Path) -> io::Result<File> {
-    let refuse = || io::Error::new(ErrorKind::InvalidData, "it is no regular file");
+    let refuse = || {
+        io::Error::new(
+            ErrorKind::InvalidData,
+            "it is no regular file: move it away and run again",
+        )
+    };
     if !fs::symlink_metadata(path)?.is_file() {
         return Err(refuse());
     }
@@ -116,6 +121,13 @@ pub(crate) fn refuse_links(base: &Path, folder: &Path) -> Result<()> {
 /// A link, or a folder that cannot be made.
 pub(crate) fn make_folder(base: &Path, folder: &Path) -> Result<()> {
     refuse_links(base, folder)?;
+    let there = folder.ancestors().find(|path| path.symlink_metadata().is_ok());
+    if let Some(other) = there.filter(|there| !there.is_dir()) {
+        return Err(Error::Usage(format!(
+            "{}: expected a folder, found something else; move it away and run again",
+            other.display()
+        )));
+    }
     fs::create_dir_all(folder).map_err(Error::writing("make the folder", folder, 0))
 }
 
@@ -219,6 +231,7 @@ fn is_temporary(name: &str) -> bool {
 
 /// Waits until nobody else publishes into a folder; none where folders cannot be locked.
 pub(crate) fn turn(folder: &Path) -> Option<File> {
-    let file = File::open(folder).ok()?;
+    // To open a pipe would be to wait for its other end.
+    let file = folder.is_dir().then(|| File::open(folder))?.ok()?;
     file.lock().is_ok().then_some(file)
 }

@@ -28,17 +28,23 @@ use crate::engine::object;
 use crate::engine::record::Record;
 
 const SHARED_PIECES: usize = 64;
+/// Files that a process has open beside the locks on the keys of its pieces.
+const OTHER_FILES: u64 = 48;
 const SHARED_WAIT: Duration = Duration::from_millis(500);
 const ALONE_SECONDS: f64 = 0.2;
 /// How often a lock on the whole store is asked for again.
 const PATIENCE: Duration = Duration::from_millis(50);
 /// The folders that a new store gets at once.
-const FIRST: [Folder; 5] = [
-    Folder::Objects,
-    Folder::Records,
-    Folder::Locks,
+/// Quarantine comes first: what stands in the place of another folder is moved there.
+const FIRST: [Folder; 8] = [
     Folder::Temporary,
     Folder::Quarantine,
+    Folder::Objects,
+    Folder::Records,
+    Folder::Parts,
+    Folder::Manifests,
+    Folder::Runs,
+    Folder::Locks,
 ];
 
 /// The folder of objects and records.
@@ -47,6 +53,8 @@ pub struct Store {
     flight: Flight,
     pending: Mutex<Vec<Pending>>,
     numbers: AtomicU64,
+    /// How many pieces may wait for one synchronisation: each holds a file open.
+    shared_pieces: usize,
     /// Tells the temporary files of this process from those of any other, on this machine or another.
     tag: u64,
     /// Whether a folder of objects or records is new, its entry not synchronised.
@@ -150,6 +158,7 @@ impl Store {
             disk,
             pending: Mutex::default(),
             numbers: AtomicU64::new(0),
+            shared_pieces: shared_pieces(),
             tag: RandomState::new().hash_one(std::process::id()),
             grown: AtomicBool::new(true),
             put_aside: Mutex::default(),
@@ -318,7 +327,7 @@ impl Store {
 
     fn is_due(&self) -> bool {
         let queue = self.pending();
-        queue.len() >= SHARED_PIECES || queue.first().is_some_and(|first| first.since.elapsed() >= SHARED_WAIT)
+        queue.len() >= self.shared_pieces || queue.first().is_some_and(|first| first.since.elapsed() >= SHARED_WAIT)
     }
 
     /// Puts back the file of an object that was lost or damaged.
@@ -402,7 +411,14 @@ impl Store {
 
     fn write_by(&self, temporary: &At, at: &At, bytes: &[u8], durable: bool) -> Result<()> {
         let length = bytes.len() as u64;
-        let written = self.disk.write_new(temporary, bytes);
+        let written = self.disk.write_new(temporary, bytes).or_else(|why| match why.kind() {
+            // Copies of a store may lack the folders that were empty.
+            ErrorKind::NotFound => {
+                self.disk.make_folder(&temporary.parent())?;
+                self.disk.write_new(temporary, bytes)
+            }
+            _ => Err(why),
+        });
         written.map_err(self.writing("write", at, length))?;
         if durable {
             let synchronised = self.disk.synchronise(temporary);
@@ -441,7 +457,8 @@ impl Store {
         let is_folder = is_top_folder
             || at.names().count() == 2 && Folder::ALL.iter().any(|f| f.division(name).as_ref() == Some(at));
         match found {
-            Some(Kind::Other) if !is_top_folder => {}
+            Some(Kind::Link) if !is_top_folder => {}
+            Some(Kind::Other) => {}
             Some(Kind::Folder) if !is_folder => {}
             Some(Kind::File) if is_folder => {}
             _ => return Err(why),
@@ -473,7 +490,18 @@ impl Store {
     fn move_aside(&self, at: &At) -> io::Result<At> {
         let tag = self.tag.wrapping_add(self.numbers.fetch_add(1, Ordering::Relaxed));
         let to = Place::Quarantined(at.flat(), Some(tag)).at();
-        self.disk.rename(at, &to)?;
+        let quarantine = Folder::Quarantine.at();
+        if *at == quarantine {
+            // It stands where it is to be moved to.
+            let between = Place::Temporary(tag, 0).at();
+            self.disk.rename(at, &between)?;
+            self.disk.make_folder(&quarantine)?;
+            self.disk.rename(&between, &to)?;
+        } else {
+            // If it cannot be made, the move says so.
+            let _ = self.disk.make_folder(&quarantine);
+            self.disk.rename(at, &to)?;
+        }
         Ok(to)
     }
 
@@ -490,6 +518,19 @@ impl Store {
     fn pending(&self) -> MutexGuard<'_, Vec<Pending>> {
         self.pending.lock().unwrap_or_else(PoisonError::into_inner)
     }
+}
+
+/// How many pieces may share a synchronisation, so that their locks leave room for other open files.
+#[cfg(unix)]
+fn shared_pieces() -> usize {
+    let limit = rustix::process::getrlimit(rustix::process::Resource::Nofile).current;
+    let room = limit.map_or(u64::MAX, |limit| limit.saturating_sub(OTHER_FILES) / 2);
+    room.clamp(1, SHARED_PIECES as u64) as usize
+}
+
+#[cfg(not(unix))]
+fn shared_pieces() -> usize {
+    SHARED_PIECES
 }
 
 /// Whether an error says that the process has as many files open as it may.

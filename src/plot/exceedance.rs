@@ -41,6 +41,18 @@ impl Curve {
     pub fn known_error(&self, i: usize) -> Option<f64> {
         self.standard_error.get(i).copied().filter(|error| *error > 0.0)
     }
+
+    /// The standard error in place `i` as the data of the figure have it. Where none or all of the groups exceed, the estimate
+    /// (T1) is 0, which is written: the number of groups beside it says how far it can be trusted. Where it is 0 for another
+    /// reason, as for groups of a single field, it is unknown.
+    fn written_error(&self, i: usize) -> Option<f64> {
+        let p = self.probability.get(i).copied()?;
+        if p > 0.0 && p < 1.0 {
+            self.known_error(i)
+        } else {
+            self.standard_error.get(i).copied()
+        }
+    }
 }
 
 /// One panel: all methods at one ε₁.
@@ -391,7 +403,7 @@ pub fn csv(figures: &[&Exceedance]) -> String {
                             (*theta_t).into(),
                             curve.method.name().into(),
                             (*p).into(),
-                            curve.known_error(i).into(),
+                            curve.written_error(i).into(),
                             curve.n.into(),
                         ]);
                     }

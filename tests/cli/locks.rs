@@ -8,7 +8,7 @@ use std::process::Command;
 
 fn lock_of(answer: &Value) -> (u64, u64, usize) {
     let lock = &answer["lock"];
-    assert_eq!(keys(lock), ["differ", "equal", "lines", "path"]);
+    assert_eq!(keys(lock), ["differ", "equal", "lines", "path", "readable"]);
     let number = |key: &str| lock[key].as_u64().expect("a number");
     let differ = lock["differ"].as_array().expect("a list").len();
     (number("lines"), number("equal"), differ)

@@ -364,16 +364,15 @@ fn a_standard_error_that_tells_nothing_is_empty_in_the_data_and_has_no_bar() {
     let mut figure = samples::exceedance(1, 1);
     let curve = &mut figure.rows[0].cells[0].curves[0];
     (curve.probability[0], curve.standard_error[0]) = (1.0, 0.0);
-    let theta_t = curve.theta_t[0];
-    let method = curve.method.name();
+    (curve.probability[1], curve.standard_error[1]) = (0.5, 0.0);
+    let (method, theta_t) = (curve.method.name(), curve.theta_t.clone());
     let text = exceedance::csv(&[&figure]);
-    let row = text
-        .lines()
-        .find(|line| line.contains(&format!(",{theta_t},{method},")));
-    assert!(
-        row.is_some_and(|row| row.contains(&format!(",{method},1,,"))),
-        "{row:?}"
-    );
+    let row = |i: usize| {
+        let place = format!(",{},{method},", theta_t[i]);
+        text.lines().find(|line| line.contains(&place)).unwrap_or_default()
+    };
+    assert!(row(0).contains(&format!(",{method},1,0,")), "{}", row(0));
+    assert!(row(1).contains(&format!(",{method},0.5,,")), "{}", row(1));
 }
 
 #[test]

@@ -281,7 +281,8 @@ fn every_damage(share: usize) -> usize {
         // A top folder that is a link, or a folder that lost the mark of a store, is refused by name.
         let is_top = path.parent() == Some(&house.path("store"));
         let name = path.file_name().expect("a name").to_string_lossy().into_owned();
-        let is_folder = Folder::ALL.iter().any(|folder| folder.name() == name);
+        let is_link = path.is_symlink();
+        let is_folder = is_link && Folder::ALL.iter().any(|folder| folder.name() == name);
         let is_marker = name == Place::Marker.at().text();
         let refusable = is_top && (is_folder || is_marker);
         if count % 3 == 0 {
