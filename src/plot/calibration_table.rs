@@ -30,9 +30,10 @@ fn share(set: &Set, holds: impl Fn(&InSea) -> Option<bool>) -> String {
     format!("{}/{}", told.iter().filter(|holds| **holds).count(), told.len())
 }
 
-/// The misfit of a set; none if a sea tells nothing.
+/// The misfit of a set; none if a sea tells nothing: no group was met, none exceeds, or all groups lie in one field.
 fn misfit(set: &Set) -> Option<f64> {
-    let is_known = !set.seas.is_empty() && set.seas.iter().all(|sea| !sea.p_true.is_empty());
+    let is_told = |sea: &InSea| !sea.p_true.is_empty() && known_error(sea).is_some();
+    let is_known = !set.seas.is_empty() && set.seas.iter().all(is_told);
     is_known.then_some(set.misfit)
 }
 

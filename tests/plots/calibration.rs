@@ -153,6 +153,21 @@ fn nothing_measured_is_never_agreement() {
 }
 
 #[test]
+fn a_set_of_which_some_sea_has_no_error_has_no_misfit() {
+    let mut study = study();
+    study.sets.truncate(1);
+    // None exceeds in one sea, or all its groups lie in one field: its distance from the paper cannot be told.
+    study.sets[0].seas[0].standard_error = 0.0;
+    let row = csv(&study);
+    assert!(
+        row.lines()
+            .nth(1)
+            .is_some_and(|row| row.starts_with("present,plain,5,3.09,,")),
+        "{row}"
+    );
+}
+
+#[test]
 fn no_set_is_no_data_and_one_search_is_one() {
     let mut study = study();
     (study.sets, study.accepted) = (Vec::new(), study.accepted.into_iter().take(2).collect());
