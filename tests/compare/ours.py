@@ -26,7 +26,8 @@ NODES = {
     "mid": "response_moments/calibrated-S1",
     "fig": "fig4_response_moments/calibrated-S1",
 }
-FIGURE = "figures/tiny/fig4_response_moments.svg"
+FIGURES = "figures/tiny"
+FIGURE = f"{FIGURES}/fig4_response_moments.svg"
 PARAMETERS = "stages/paper.toml"
 GEN_SOURCE = "stages/ground_truth.rs"
 IMPORTED = "src/ship/roll_equation.rs"
@@ -115,7 +116,8 @@ class Bench:
 
     def start(self, *arguments):
         """Starts the binary in a process group of its own."""
-        command = [Edited.binary, *arguments, *PROFILE, "--store", str(self.store)]
+        figures = str(self.store / FIGURES)
+        command = [Edited.binary, *arguments, *PROFILE, "--store", str(self.store), "--figures", figures]
         pipe = subprocess.PIPE
         return subprocess.Popen(command, cwd=COPY, stdout=pipe, stderr=pipe, text=True, start_new_session=True)
 
@@ -144,7 +146,8 @@ class Bench:
         return self.store / "objects" / name[:2] / name[2:]
 
     def lock(self):
-        return (self.store / "tiny.lock").read_text()
+        """What a run publishes, by name and hash."""
+        return sorted((file["path"], file["id"]) for file in self.must_run()["files"])
 
     def figure(self):
         return self.store / FIGURE
