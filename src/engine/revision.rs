@@ -77,6 +77,17 @@ impl Revision {
 
 fn git(folder: &Path, arguments: &[&str]) -> Result<Output> {
     let output = Command::new("git")
+        // A comparison only reads: no program of the repository's configuration is started, and nothing is fetched.
+        .args([
+            "-c",
+            "core.fsmonitor=false",
+            "-c",
+            "core.hooksPath=/dev/null",
+            "-c",
+            "protocol.allow=never",
+        ])
+        .env("GIT_NO_LAZY_FETCH", "1")
+        .env("GIT_TERMINAL_PROMPT", "0")
         .arg("-C")
         .arg(folder)
         .args(arguments)
