@@ -18,7 +18,6 @@ use crate::cli::session::{Common, Session, on_request};
 use crate::cli::{print_json, same_bits, say, status};
 use crate::engine::audit::{Audit, Finding, audit};
 use crate::engine::code;
-use crate::engine::difference::grouped;
 use crate::engine::disk::read_text;
 use crate::engine::error::{Error, Result};
 use crate::engine::event::Event;
@@ -32,7 +31,7 @@ use crate::engine::schedule;
 use crate::engine::store::Store;
 use crate::engine::verify::{against_lock, against_store, omissions, toolchains};
 use crate::stages::axes::SHIP;
-use crate::text::count::counted;
+use crate::text::count::{counted, thousands};
 
 /// What the exit code says, and how to read a difference.
 const AFTER_HELP: &str = "\
@@ -291,13 +290,13 @@ fn print_audit(found: &Audit, differences: &[String], store: &Path, seconds: f64
         "{}: {}, {}, {}, {}; {megabytes:.1} MB hashed in {seconds:.2} s; {} damaged, \
          {} missing, {} orphaned",
         store.display(),
-        counted(grouped(found.objects), "object"),
-        counted(grouped(found.records), "record"),
-        counted(grouped(found.parts), "part"),
-        counted(grouped(found.manifests), "manifest"),
-        grouped(found.damaged.len() as u64),
-        grouped(found.missing.len() as u64),
-        grouped(found.orphaned.len() as u64)
+        counted(thousands(found.objects), "object"),
+        counted(thousands(found.records), "record"),
+        counted(thousands(found.parts), "part"),
+        counted(thousands(found.manifests), "manifest"),
+        thousands(found.damaged.len() as u64),
+        thousands(found.missing.len() as u64),
+        thousands(found.orphaned.len() as u64)
     ));
 }
 
@@ -312,7 +311,7 @@ fn print_findings(word: &str, findings: &[Finding]) {
         say(format_args!("{word:<10} {}{node}: {}", it.path, it.why));
     }
     if findings.len() > MOST {
-        let more = grouped((findings.len() - MOST) as u64);
+        let more = thousands((findings.len() - MOST) as u64);
         say(format_args!("{word:<10} and {more} more; --json lists all"));
     }
 }

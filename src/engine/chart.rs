@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 
 use crate::engine::arrow::Kind;
 use crate::engine::plan::{Plan, State};
+use crate::text::count::thousands;
 
 /// One stage, or one case of it.
 #[derive(Clone, Debug, PartialEq)]
@@ -56,7 +57,7 @@ impl Tile {
 
     /// "8 cases, 1,048 pieces", as far as it is more than one.
     pub(crate) fn counts(&self) -> String {
-        let many = |count: usize, noun: &str| (count > 1).then(|| format!("{} {noun}", grouped(count)));
+        let many = |count: usize, noun: &str| (count > 1).then(|| format!("{} {noun}", thousands(count as u64)));
         let pieces = many(self.pieces, "pieces").filter(|_| self.pieces != self.cases);
         let told: Vec<String> = [many(self.cases, "cases"), pieces].into_iter().flatten().collect();
         told.join(", ")
@@ -64,23 +65,10 @@ impl Tile {
 
     /// "4 will run, 8 may run"; empty if all is cached.
     pub(crate) fn news(&self) -> String {
-        let some = |count: usize, what: &str| (count > 0).then(|| format!("{} {what}", grouped(count)));
+        let some = |count: usize, what: &str| (count > 0).then(|| format!("{} {what}", thousands(count as u64)));
         let told = [some(self.will_run, "will run"), some(self.may_run, "may run")];
         told.into_iter().flatten().collect::<Vec<_>>().join(", ")
     }
-}
-
-/// Digits in groups of three.
-fn grouped(count: usize) -> String {
-    let digits = count.to_string();
-    let mut text = String::new();
-    for (place, digit) in digits.chars().enumerate() {
-        if place > 0 && (digits.len() - place).is_multiple_of(3) {
-            text.push(',');
-        }
-        text.push(digit);
-    }
-    text
 }
 
 /// The chart of a plan: a tile a stage, or a tile a case.

@@ -36,7 +36,12 @@ impl fmt::Display for Difference {
         if let Some(ulp) = self.ulp {
             write!(f, " ({} ULP)", counted(ulp))?;
         }
-        write!(f, "; {} of {} differ", grouped(self.differing), grouped(self.values))?;
+        write!(
+            f,
+            "; {} of {} differ",
+            count::thousands(self.differing),
+            count::thousands(self.values)
+        )?;
         match self.largest_ulp {
             Some(ulp) => write!(f, ", at most {} ULP", counted(ulp)),
             None => Ok(()),
@@ -47,23 +52,10 @@ impl fmt::Display for Difference {
 /// A distance in full as long as rounding may be behind it, else its size: `2`, `2.6e16`.
 fn counted(ulp: u64) -> String {
     if ulp < 1_000_000 {
-        grouped(ulp)
+        count::thousands(ulp)
     } else {
         format!("{:.1e}", ulp as f64)
     }
-}
-
-/// `5,812`.
-pub fn grouped(number: u64) -> String {
-    let digits = number.to_string();
-    let mut text = String::new();
-    for (i, digit) in digits.chars().enumerate() {
-        if i > 0 && (digits.len() - i).is_multiple_of(3) {
-            text.push(',');
-        }
-        text.push(digit);
-    }
-    text
 }
 
 /// How many doubles lie between two numbers, plus one; none if one of them is not a number.
@@ -189,7 +181,7 @@ impl Walk {
 
     fn lists(&mut self, a: &[Tree], b: &[Tree], path: &Path<'_>) {
         if a.len() != b.len() {
-            let count = |list: &[Tree]| count::counted_as(grouped(list.len() as u64), "entry", "entries");
+            let count = |list: &[Tree]| count::counted_as(count::thousands(list.len() as u64), "entry", "entries");
             self.found(path, || (count(a), count(b)), None);
         }
         for (place, (a, b)) in a.iter().zip(b).enumerate() {
@@ -280,8 +272,8 @@ fn shown(tree: &Tree) -> String {
         Tree::Whole(number) => number.to_string(),
         Tree::Real(number) => format!("{number:?}"),
         Tree::Text(text) => excerpts(text, "").0,
-        Tree::List(list) => count::counted_as(grouped(list.len() as u64), "entry", "entries"),
-        Tree::Fields(fields) => count::counted(grouped(fields.len() as u64), "field"),
+        Tree::List(list) => count::counted_as(count::thousands(list.len() as u64), "entry", "entries"),
+        Tree::Fields(fields) => count::counted(count::thousands(fields.len() as u64), "field"),
         Tree::Variant(name, inner) if **inner == Tree::Nothing => (*name).to_owned(),
         Tree::Variant(name, inner) => format!("{name} of {}", shown(inner)),
     }

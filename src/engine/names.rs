@@ -137,7 +137,7 @@ impl At {
         Self(self.0.rsplit_once('/').map_or("", |(parent, _)| parent).to_owned())
     }
 
-    /// The name under which it is set aside: that of an object or record is its whole hash.
+    /// The name that it gets in quarantine: an object or a record is called by its whole hash there.
     pub(crate) fn flat(&self) -> String {
         let mut names: Vec<&str> = self.names().collect();
         let hashed = names.len() > 1 && Folder::ALL.iter().any(|folder| folder.name() == names[0]);

@@ -123,8 +123,8 @@ fn used(run: &Run<'_>) -> Result<RunFile> {
     Ok(file)
 }
 
-/// All remembered runs, and when the newest was written; no time if one of them is damaged, so that what it used is not
-/// known.
+/// All remembered runs, and when the newest was written. If one of them is damaged, nobody knows what it used, and no time is
+/// given.
 ///
 /// # Errors
 /// One that cannot be read.

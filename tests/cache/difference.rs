@@ -1,10 +1,11 @@
 //! Difference: two artifacts of one type compared value by value, by path, bits and distance.
 
 use encounter::engine::codec;
-use encounter::engine::difference::{Difference, grouped, ulp_distance};
+use encounter::engine::difference::{Difference, ulp_distance};
 use encounter::engine::error::{Error, Result};
 use encounter::engine::node::node;
 use encounter::engine::stage::{Here, Published, Stage};
+use encounter::text::count::thousands;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -193,7 +194,7 @@ fn the_distance_counts_the_doubles_between() {
         Some(2 * f64::INFINITY.to_bits())
     );
     assert_eq!(
-        [0, 12, 999, 1000, 5812, 1_234_567].map(grouped),
+        [0, 12, 999, 1000, 5812, 1_234_567].map(thousands),
         ["0", "12", "999", "1,000", "5,812", "1,234,567"]
     );
 }
